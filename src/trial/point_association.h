@@ -34,11 +34,14 @@ struct AssociationLimits {
 /// 1. Every body seen twice, and within `remembered_s`, is predicted (constant velocity), less and less
 /// surely; the assignment of least total cost within the gates is found (Hungarian method: Kuhn 1955,
 /// Munkres 1957), against the cost of absence. A body for which another assignment costs hardly more is
-/// absent.
+/// absent. Points of no body (ghosts) are followed, too: one that was there when the body was last seen is
+/// not the body, however near it passes, and contends for its own point (joint data association with clutter
+/// tracks: Blackman, Popoli 1999).
 /// 2. Bodies without a prediction are looked for among the remaining points by the arm's geometry, from the
 ///    rod's base along the bodies that are known: distances cannot exceed the backbone between them nor fall
 ///    below the chord of the strongest bend, and curvature changes gently (find_chain). What all nearly best
-///    answers agree on holds. At the start this is how every body is found.
+///    answers agree on holds. A point that was there a moment ago and is hidden now counts as one that
+///    might be the body. At the start this is how every body is found.
 /// 3. Known bodies that break the geometry (two too far apart), or that a free point fits far better, are
 ///    absent; when that lasts, everything is forgotten and found afresh, and restarts() says so.
 ///
@@ -76,6 +79,14 @@ class PointAssociator {
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
     std::optional<Eigen::Vector3d> velocity;  // m/s
   };
+  struct Other {  // a point of no body
+    Track track;
+    double since_s = 0.0;  // followed without a break
+  };
+  struct Expected {  // of a track at an instant
+    Eigen::Vector3d p;
+    double sd_m;
+  };
   struct Instant;  // the points of one call and what has been made of them
 
   std::vector<Eigen::Vector3d> distinct(const std::vector<Eigen::Vector3d>& points) const;
@@ -83,17 +94,28 @@ class PointAssociator {
                      const std::optional<Eigen::Isometry3d>& base_body) const;
   void start_afresh(double stamp_s);
   bool is_predicted(std::size_t body, double stamp_s) const;
+  bool is_remembered(const Track& track, double stamp_s) const;
+  Expected expected(const Track& track, double noise_m, double stamp_s) const;
+  double cost_at(const Expected& there, const Eigen::Vector3d& p) const;
+  Eigen::MatrixXd contest(const Instant& instant, const std::vector<std::size_t>& rows,
+                          std::vector<std::size_t>& rivals) const;
   void follow(Instant& instant);
+  void follow_others(Instant& instant) const;
   void look_for(Instant& instant);
   bool holds(Instant& instant);
+  std::vector<bool> used_points(const Instant& instant) const;
+  Track seen_again(const Track& before, double stamp_s, const Eigen::Vector3d& p) const;
   void remember(double stamp_s, std::size_t body, const Eigen::Vector3d& p);
+  void remember_others(const Instant& instant, const std::vector<bool>& used);
 
   AssociationLimits limits_;
   arm::Base base_;
   std::vector<arm::MeasuredBody> bodies_;
   std::vector<int> kinds_;  // per body: 0 one marker; else which kind of cluster
   std::vector<std::optional<Track>> tracks_;
+  std::vector<Other> others_;  // the oldest first
   std::vector<Outcome> outcomes_;
+  double noise_m_ = 0.0;  // of points of no body
   std::optional<double> stamp_s_;
   int broken_ = 0;
   std::uint64_t points_unused_ = 0, restarts_ = 0;

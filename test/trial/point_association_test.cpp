@@ -69,7 +69,7 @@ Eigen::Vector3d draw(std::mt19937& random, std::normal_distribution<double>& dis
 
 struct Score {
   int right = 0, absent = 0, wrong = 0, longest_wrong = 0;
-  double worst_m = 0.0;
+  double worst_m = 0.0, worst_at_start_m = 0.0;  // after the first instant, and in it
 };
 
 /// Feeds shuffled points and compares with the truth.
@@ -107,7 +107,8 @@ Score run(const arm::Arm& arm, trial::PointAssociator& associator, const Faults&
       const bool wrong = error_m > 6.0 * kNoiseM;
       wrong_in_a_row[i] = wrong ? wrong_in_a_row[i] + 1 : 0;
       score.longest_wrong = std::max(score.longest_wrong, wrong_in_a_row[i]);
-      score.worst_m = std::max(score.worst_m, error_m);
+      double& worst_m = k == 0 ? score.worst_at_start_m : score.worst_m;
+      worst_m = std::max(worst_m, error_m);
       (!found[i] ? score.absent : wrong ? score.wrong : score.right) += 1;
     }
   }
@@ -146,21 +147,50 @@ TEST(PointAssociation, FollowsAMovingArmFromItsFirstInstant) {
 }
 
 TEST(PointAssociation, GhostsAndLossesSwapNothing) {
-  int right = 0, wrong = 0, absent = 0;
-  for (unsigned seed = 0; seed < 12; ++seed) {
+  constexpr double kRateHz = 120.0, kLongestWrongS = 0.1, kFurthestM = 0.03;
+  int right = 0, wrong = 0, absent = 0, wrong_at_start = 0;
+  constexpr unsigned kSeeds = 100;
+  for (unsigned seed = 0; seed < kSeeds; ++seed) {
     const arm::Arm arm = hanging_arm(4);
     trial::PointAssociator associator(arm);
     const Faults faults{0.05, 4, 0.02};
-    const Score score = run(arm, associator, faults, 120.0, 2400, seed);
+    const Score score = run(arm, associator, faults, kRateHz, 2400, seed);
     right += score.right, wrong += score.wrong, absent += score.absent;
-    // A ghost that passes through a ring in the very frame in which it is lost cannot be distinguished; it
-    // may not stay.
-    EXPECT_LT(score.longest_wrong, 12) << seed;
-    EXPECT_LT(score.worst_m, 0.03) << seed;
-    EXPECT_EQ(associator.points_unused() > 9000, true);
+    EXPECT_LT(score.longest_wrong, kLongestWrongS * kRateHz) << seed;
+    EXPECT_LT(score.worst_m, kFurthestM) << seed;
+    // In the first instant the arm's geometry is all that is known: where a ring is lost just then and a
+    // ghost would do in its place, nothing distinguishes them before the ring is there again.
+    if (score.worst_at_start_m > kFurthestM) ++wrong_at_start;
+    EXPECT_GT(associator.points_unused(), 9000u);
   }
+  EXPECT_LE(wrong_at_start, 0.02 * kSeeds);
   EXPECT_GT(right, 0.93 * (right + wrong + absent));  // 5 % were never sent
   EXPECT_LT(wrong, 0.0005 * right);
+}
+
+TEST(PointAssociation, AGhostThatPassesAHiddenRingIsNotTheRing) {
+  const arm::Arm arm = hanging_arm(4);
+  constexpr int kHidden = 60, kFrames = 120;
+  constexpr double kRateHz = 120.0;
+  for (double beside_m : {0.0, 0.001, 0.003, 0.005}) {
+    trial::PointAssociator associator(arm);
+    const auto place = [&](int i, int k) {
+      return Eigen::Vector3d(section(arm, kLengthM * i / 4, k / kRateHz).translation());
+    };
+    for (int k = 0; k < kFrames; ++k) {
+      Points points{place(3, kHidden) + Eigen::Vector3d(0.0, beside_m, 0.3 * (k - kHidden) / kRateHz)};
+      for (int i = 1; i <= 4; ++i) {
+        if (i != 3 || k != kHidden) points.push_back(place(i, k));
+      }
+      const auto found = associator.update(k / kRateHz, points);
+      for (int i = 1; i <= 4; ++i) {
+        const auto& p = found[static_cast<std::size_t>(i - 1)];
+        EXPECT_TRUE(!p || *p == place(i, k)) << beside_m << " ring " << i << " frame " << k;
+        EXPECT_TRUE(p || (i == 3 && std::abs(k - kHidden) < 12))
+            << beside_m << " ring " << i << " frame " << k;
+      }
+    }
+  }
 }
 
 TEST(PointAssociation, ABodyThatWasLongLostReturnsAsItself) {
