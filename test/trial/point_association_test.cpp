@@ -69,7 +69,7 @@ Eigen::Vector3d draw(std::mt19937& random, std::normal_distribution<double>& dis
 
 struct Score {
   int right = 0, absent = 0, wrong = 0, longest_wrong = 0;
-  double worst_m = 0.0, worst_at_start_m = 0.0;  // after the first instant, and in it
+  double worst_m = 0.0, worst_at_start_m = 0.0;  // after the first two instants, and in them
 };
 
 /// Feeds shuffled points and compares with the truth.
@@ -107,7 +107,7 @@ Score run(const arm::Arm& arm, trial::PointAssociator& associator, const Faults&
       const bool wrong = error_m > 6.0 * kNoiseM;
       wrong_in_a_row[i] = wrong ? wrong_in_a_row[i] + 1 : 0;
       score.longest_wrong = std::max(score.longest_wrong, wrong_in_a_row[i]);
-      double& worst_m = k == 0 ? score.worst_at_start_m : score.worst_m;
+      double& worst_m = k < 2 ? score.worst_at_start_m : score.worst_m;
       worst_m = std::max(worst_m, error_m);
       (!found[i] ? score.absent : wrong ? score.wrong : score.right) += 1;
     }
@@ -158,8 +158,9 @@ TEST(PointAssociation, GhostsAndLossesSwapNothing) {
     right += score.right, wrong += score.wrong, absent += score.absent;
     EXPECT_LT(score.longest_wrong, kLongestWrongS * kRateHz) << seed;
     EXPECT_LT(score.worst_m, kFurthestM) << seed;
-    // In the first instant the arm's geometry is all that is known: where a ring is lost just then and a
-    // ghost would do in its place, nothing distinguishes them before the ring is there again.
+    // Nothing is predicted before it was seen twice: in the first two instants the arm's geometry is all that
+    // is known. Where a ring is lost just then and a ghost would do in its place, nothing distinguishes them
+    // before the ring is there again; over 1200 seeds it happened in 4.
     if (score.worst_at_start_m > kFurthestM) ++wrong_at_start;
     EXPECT_GT(associator.points_unused(), 9000u);
   }
