@@ -208,7 +208,10 @@ INSTANTIATE_TEST_SUITE_P(
     Faults, OfOneChamber,
     ::testing::Values(
         OneChamber{{"pressure_dead_zone", "smooth", {{"pressure_pa", 4e3}, {"chamber", 2.0}}}, 2.0},
-        OneChamber{{"pressure_lag", "second_order", {{"time_constant_s", 0.3}, {"chamber", 3.0}}}, 3.0}),
+        OneChamber{{"pressure_lag",
+                    "choked",
+                    {{"time_constant_s", 0.3}, {"vent_time_constant_s", 0.4}, {"chamber", 3.0}}},
+                   3.0}),
     [](const auto& fault) { return fault.param.hidden.effect; });
 
 /// A fit to poses that come late finds a lag; that is no motion for the sake of which trials are left out.

@@ -170,7 +170,7 @@ TEST(ExperimentMenu, VariesTheTrialThatDrivesTheArmMost) {
   const auto repeat =
       std::find_if(menu.begin(), menu.end(), [](const diagnose::Experiment& e) { return e.id == "repeat"; });
   ASSERT_NE(repeat, menu.end());
-  EXPECT_THAT(repeat->action, ::testing::HasSubstr("slow.bag once more with 50.0 g"));
+  EXPECT_THAT(repeat->action, ::testing::HasSubstr("slow.bag once more with a payload of 50.0 g"));
   // Out and back, as often as there is time for.
   const model::Series& series = repeat->trial.series;
   for (Eigen::Index i = 0; i < series.t_s.size(); i += 50) {

@@ -30,7 +30,7 @@ TEST(FarFromFile, AChamberThatDoesNextToNothingIsSaid) {
     scenario.arm.segments[0].chambers[1].moment_gain_nm_per_pa *= 0.05;
   const std::string said = summary();
   EXPECT_THAT(said, HasSubstr("Constants that fit these trials are far from the arm file's: "));
-  EXPECT_THAT(said, ContainsRegex("chamber_2.moment_gain is [4-6]([.][0-9])? % of what it says"));
+  EXPECT_THAT(said, ContainsRegex("chamber_2.moment_gain is [4-6]([.][0-9])? % of the file's value"));
 }
 
 }  // namespace

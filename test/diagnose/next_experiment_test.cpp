@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string>
 
 #include "diagnose/screen.h"
 #include "diagnose/separation.h"
@@ -169,9 +170,13 @@ TEST(NextExperiment, TheArmOnItsSideTellsAMassAtTheTipFromAnotherDistribution) {
 }
 
 TEST(NextExperiment, FasterInputsTellALagOfThemFromTheClocksThoughTheArmSwings) {
-  const auto recorded =
-      recorded_case("{count_weights: [0, 1], from: [pressure_lag], size: [0, 0.02], forms: default}", 12, 2,
-                    24.0, "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
+  RecordedCase recorded = testing::drawn_case("{count_weights: [1]}", 12, 2, 24.0,
+                                              "attitudes: [hanging], speeds: [0.5], payload_kg: [0, 0]");
+  for (rig::Scenario& truth : recorded.truth) {
+    rig::hide({"pressure_lag", "first_order", {{"time_constant_s", 0.1}}}, truth);
+    recorded.trials.push_back(
+        testing::record(recorded.arm, truth, "trial_" + std::to_string(recorded.trials.size() + 1)));
+  }
   expect_confirmed(
       recorded,
       {"pressure_lag", "clock_offset", Eigen::Vector4d(0.1, 0.1, 1.0, 0.0), Eigen::Vector2d(0.1, 0.0)},

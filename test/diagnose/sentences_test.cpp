@@ -168,7 +168,7 @@ TEST(Sentences, WhatIsLeftOutStandsInTheVerdictsLine) {
   Diagnosis diagnosis;
   diagnosis.verdict = Verdict::kConsistent;
   diagnosis.left_out_share = 0.42;
-  EXPECT_NE(summary_of(diagnosis, 4).find("stands on 58 % of the recordings"), std::string::npos)
+  EXPECT_NE(summary_of(diagnosis, 4).find("based on 58 % of the recordings"), std::string::npos)
       << summary_of(diagnosis, 4);
   diagnosis.left_out_share = 0.05;
   EXPECT_EQ(summary_of(diagnosis, 4).find("of the recordings"), std::string::npos)
