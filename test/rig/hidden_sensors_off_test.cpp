@@ -187,7 +187,7 @@ TEST(HiddenSensors, WhatDoesNotFitIsRefusedInALine) {
               AllOf(HasSubstr("body is 3"), HasSubstr("up to 2")));
   EXPECT_THAT(error_of("{effect: marker_slip, body: 1.5}"), HasSubstr("whole numbers"));
   EXPECT_THAT(error_of("{effect: marker_slip}"), HasSubstr("body: missing"));
-  EXPECT_THAT(error_of("{effect: swapped_bodies, body: 1, other_body: 1}"), HasSubstr("another"));
+  EXPECT_THAT(error_of("{effect: swapped_bodies, body: 1, other_body: 1}"), HasSubstr("any other"));
   EXPECT_THAT(error_of("{effect: frozen_body, body: 1, for_s: 3, repeat_s: 2}"),
               AllOf(HasSubstr("repeat_s is 2"), HasSubstr("for_s (3)")));
   EXPECT_THAT(error_of("{effect: sensor_gain, form: tension, share: 0.1}"), HasSubstr("no tensions"));
