@@ -119,9 +119,9 @@ Form form_of(const arm::Arm& arm, const model::Values& values) {
       return {"(u - w)", input + follows("u"),
               cited_by(kind == arm::InputKind::kPressure ? "pressure_lag" : "creep")};
     case Regressor::kPayload:
-      return {"m", "m: the payload", cited_by("tip_mass")};
+      return {"m_p", "m_p: the payload", cited_by("tip_mass")};  // m and g alone are units
     case Regressor::kAttitude:
-      return {"g", "g: gravity across the base", cited_by("gravity_direction")};
+      return {"g_xy", "g_xy: gravity across the base", cited_by("gravity_direction")};
     case Regressor::kDriveLag:
       return {"(d - w)", "d: the actuation's moment" + follows("d"), cited_by("creep")};
     case Regressor::kCurvatureLag:

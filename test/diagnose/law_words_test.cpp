@@ -82,6 +82,8 @@ TEST_F(LawWords, ATermIsAnEquation) {
   EXPECT_EQ(
       law_of(values_of(Regressor::kLag, -14e3, 9e3, 1.0)),
       "M = (-3.00, -4.00) mN m (u - w) / (-14.0 kPa); u: chamber_1; w follows it: 1.00 s dw/dt = u - w");
+  EXPECT_EQ(law_of(values_of(Regressor::kPayload, 0.0, 0.05)),
+            "M = (3.00, 4.00) mN m m_p / (50.0 g); m_p: the payload");
   model::Values values = values_of(Regressor::kCurvature, 0.0, 8.0);
   values[LearnedMoment::kY] = -4e-3;
   values[LearnedMoment::kRising] = 1.0;
