@@ -98,11 +98,9 @@ std::string inputs_text(const LayoutGuess& guess, const GuessedInputs& group) {
   if (group.section == kUnknownKind) {
     text = fmt::format(
         "# FILL IN: pressures, angles or tensions instead of {}, and the topics of the arm file. The values "
-        "go "
-        "to both sides\n"
+        "go to both sides\n"
         "# of 0, like those of angles, or of vented pressure sensors. Pressures also have a `reference` "
-        "(gauge "
-        "or absolute).\n"
+        "(gauge or absolute).\n"
         "# If the layout has that section already, put these inputs below its inputs.\n",
         kUnknownKind);
   }
@@ -154,8 +152,7 @@ std::string to_yaml(const LayoutGuess& guess, const std::string& source) {
       "# Column layout for softarm import, drafted by softarm import --guess from {} ({} columns, {} rows "
       "read).\n"
       "# Check the lines with \"Guessed\". Where \"FILL IN\" stands, the file gives no answer: an import "
-      "refuses "
-      "the\n"
+      "refuses the\n"
       "# layout until this is filled in. config/layouts/template.yaml shows every key.\n",
       source, guess.shape.columns.size(), guess.shape.rows);
   text += format_text(guess.shape.format) + time_text(guess) + mocap_text(guess);
@@ -167,8 +164,7 @@ std::string to_yaml(const LayoutGuess& guess, const std::string& source) {
   }
   return text +
          "# The payload in kg, from these times of the recording on. Without this section it is unknown, or "
-         "given "
-         "by --payload.\n"
+         "given by --payload.\n"
          "# payload:\n#   - from_s: 0\n#     kg: 0\n";
 }
 

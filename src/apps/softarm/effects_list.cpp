@@ -57,9 +57,7 @@ std::string unit_of_key(const std::string& key) {
 std::string effects_list() {
   std::string text =
       "What a scenario's list `hidden` can contain: {effect: ID, form: FORM, PARAMETER: value, ...}. Several "
-      "at "
-      "once; "
-      "the\nfirst form is the default. Parameters: unit, [allowed], usual in real arms, default.\n";
+      "at once; the\nfirst form is the default. Parameters: unit, [allowed], usual in real arms, default.\n";
   for (const rig::HiddenEffect& effect : rig::hidden_effects()) {
     text += fmt::format("\n{} ({})\n  {}\n", effect.id,
                         effect.catalogued ? "catalogue" : "not in the catalogue", effect.words);
