@@ -6,6 +6,7 @@
 
 #include "hidden.h"
 #include "scenario.h"
+#include "scenario_parts.h"
 
 namespace softarm::rig {
 

@@ -4,8 +4,6 @@
 namespace softarm::rig {
 namespace {
 
-constexpr double kRadPerDegree = M_PI / 180.0;
-
 void add_scale(const HiddenChoice& choice, Scenario& scenario) {
   const auto& value = choice.values;
   CameraScale scale{value.at("share")};
@@ -41,7 +39,7 @@ void add_skin(const HiddenChoice& choice, Scenario& scenario) {
     skin.tilt_rad_m = value.at("tilt_rad_m");
   } else {
     skin.form = SkinMarker::Form::kPatch;
-    skin.side_rad = kRadPerDegree * value.at("side_deg");
+    skin.side_rad = kRadPerDeg * value.at("side_deg");
     skin.patch_m = value.at("patch_m");
   }
   scenario.sensors.skin_markers.push_back(skin);

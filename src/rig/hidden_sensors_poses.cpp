@@ -4,8 +4,6 @@
 namespace softarm::rig {
 namespace {
 
-constexpr double kRadPerDegree = M_PI / 180.0;
-
 void add_correlated_noise(const HiddenChoice& choice, Scenario& scenario) {
   const auto& value = choice.values;
   scenario.sensors.correlated_noise.push_back({body_of(choice, scenario),
@@ -27,12 +25,12 @@ void add_bias(const HiddenChoice& choice, Scenario& scenario) {
 void add_slip(const HiddenChoice& choice, Scenario& scenario) {
   const auto& value = choice.values;
   scenario.sensors.slips.push_back({body_of(choice, scenario), value.at("along_m"), value.at("sideways_m"),
-                                    kRadPerDegree * value.at("direction_deg"), value.at("from_s")});
+                                    kRadPerDeg * value.at("direction_deg"), value.at("from_s")});
 }
 
 void add_wobble(const HiddenChoice& choice, Scenario& scenario) {
   const auto& value = choice.values;
-  scenario.sensors.wobbling.push_back({body_of(choice, scenario), kRadPerDegree * value.at("tilt_deg_per_g"),
+  scenario.sensors.wobbling.push_back({body_of(choice, scenario), kRadPerDeg * value.at("tilt_deg_per_g"),
                                        value.at("shift_m_per_g"), value.at("lag_s")});
 }
 
@@ -40,8 +38,7 @@ void add_bump(const HiddenChoice& choice, Scenario& scenario) {
   const auto& value = choice.values;
   scenario.sensors.bumps.push_back(
       {{value.at("x_m"), value.at("y_m"), value.at("z_m")},
-       kRadPerDegree *
-           Eigen::Vector3d(value.at("turn_x_deg"), value.at("turn_y_deg"), value.at("turn_z_deg")),
+       kRadPerDeg * Eigen::Vector3d(value.at("turn_x_deg"), value.at("turn_y_deg"), value.at("turn_z_deg")),
        value.at("from_s")});
 }
 
