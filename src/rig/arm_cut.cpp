@@ -20,7 +20,10 @@ std::vector<double> cuts_within(const Scenario& scenario, double from, double to
   std::vector<double> cuts;
   const double payload = scenario.payload.schedule.empty() ? 1.0 : scenario.payload.fraction;
   if (payload - from > kSame * (to - from) && to - payload > kSame * (to - from)) cuts.push_back(payload);
+  const std::vector<Stretch> whole = scenario.body.stretches();
   for (double place : hidden_places(scenario)) {
+    if (std::any_of(whole.begin(), whole.end(), [place](const Stretch& s) { return s.holds(place); }))
+      continue;
     const auto same = [place](double cut) { return std::abs(place - cut) < kLeastPart; };
     if (place > from && place < to && !same(from) && !same(to) &&
         std::none_of(cuts.begin(), cuts.end(), same))

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 namespace softarm::rig {
 
@@ -87,6 +88,33 @@ struct Softening {
   bool wrinkling = false;
 };
 
+/// A short piece of the arm, from a fraction to a fraction.
+struct Stretch {
+  double from = 0.0, to = 0.0;
+  bool holds(double fraction) const { return fraction > from && fraction < to; }
+};
+
+/// The wall of a stretch folds where it is bent to a curvature: then it is softer by a share in the plane in
+/// which it was bent, until it is bent back to another curvature.
+struct Kink {
+  Stretch stretch;
+  double share = 0.0, fold_per_m = 4.0, unfold_per_m = 2.4;
+};
+
+/// A coupling that turns freely so far to every side, where it holds. The stretch is what it takes the place
+/// of, and gives way as that did.
+struct JointPlay {
+  Stretch stretch;
+  double play_rad = 0.0;
+};
+
+/// Moving air: a force per length across the arm, horizontal, at random with a mean of nothing. An evenly
+/// stiff arm would bend as far by force_n across its tip, root of the mean square.
+struct Draught {
+  double force_n = 0.0, correlation_s = 3.0;
+  bool sheltered = false;  ///< nothing at the base, from where it grows with the way along the arm
+};
+
 struct BodySpec {
   double stiffness_taper = 0.0, actuation_taper = 0.0;    ///< a of 1 + a (2 s / L - 1), in each segment
   bool stiffness_steps = false, actuation_steps = false;  ///< 1 - a up to its middle, 1 + a beyond, instead
@@ -101,6 +129,8 @@ struct BodySpec {
   std::optional<FirstLoading> first_loading;
   std::optional<JammedCore> core;
   std::optional<SideStiffness> plane_stiffness, one_sided_softness;
+  std::optional<Kink> kink;
+  std::optional<JointPlay> joint_play;
 
   /// The base turns under the load, though the measured body `base` does not: bending moment there over this.
   std::optional<double> base_stiffness_nm_per_rad;
@@ -112,6 +142,15 @@ struct BodySpec {
   double tip_mass_kg = 0.0;
   std::optional<Tether> tether;
   std::optional<Wall> wall;
+  std::optional<Draught> draught;
+
+  /// Those that answer as a whole: nothing else cuts them.
+  std::vector<Stretch> stretches() const {
+    std::vector<Stretch> all;
+    if (kink) all.push_back(kink->stretch);
+    if (joint_play) all.push_back(joint_play->stretch);
+    return all;
+  }
 };
 
 }  // namespace softarm::rig

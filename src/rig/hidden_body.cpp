@@ -1,4 +1,4 @@
-// Effects of material, boundary and loads.
+// Effects of material, boundary, loads and what the catalogue does not have.
 //
 // Of the catalogue, `published_load_law` is left out: it is what a model may do wrong, no physics that a rig
 // could have.
@@ -13,7 +13,7 @@ namespace softarm::rig {
 
 std::vector<HiddenEffect> body_effects() {
   std::vector<HiddenEffect> effects;
-  for (const auto& part : {profile_effects(), material_effects(), boundary_effects()})
+  for (const auto& part : {profile_effects(), material_effects(), boundary_effects(), outside_effects()})
     effects.insert(effects.end(), part.begin(), part.end());
   return effects;
 }

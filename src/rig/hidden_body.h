@@ -12,6 +12,7 @@ namespace softarm::rig {
 std::vector<HiddenEffect> profile_effects();   ///< along the arm
 std::vector<HiddenEffect> material_effects();  ///< laws of the sections without and with memory
 std::vector<HiddenEffect> boundary_effects();  ///< the base, gravity and loads
+std::vector<HiddenEffect> outside_effects();   ///< not in the catalogue
 
 /// @throws std::invalid_argument if the scenario has the effect already
 void refuse_twice(const HiddenChoice& choice, const Scenario& scenario);

@@ -4,6 +4,7 @@
 
 #include "point_loads.h"
 #include "section_laws.h"
+#include "stretch_laws.h"
 
 namespace softarm::rig {
 namespace {
@@ -104,6 +105,19 @@ std::vector<SectionLawPtr> laws(const BodySpec& body, const Part& part) {
   return all;
 }
 
+/// What the part answers as a whole, where it is a stretch that does.
+SectionLawPtr stretch_law(const BodySpec& body, const Part& part) {
+  if (body.kink && body.kink->stretch.holds(part.middle())) return kink_law(*body.kink);
+  if (body.joint_play && body.joint_play->stretch.holds(part.middle()))
+    return joint_play_law(body.joint_play->play_rad);
+  return nullptr;
+}
+
+/// Whether the part is a coupling of its own material.
+bool is_coupling(const BodySpec& body, const Part& part) {
+  return body.joint_play && body.joint_play->play_rad > 0.0 && body.joint_play->stretch.holds(part.middle());
+}
+
 Eigen::Vector3d towards(double azimuth_rad) {
   return {std::cos(azimuth_rad), std::sin(azimuth_rad), 0.0};
 }
@@ -181,6 +195,10 @@ std::vector<double> hidden_places(const Scenario& scenario) {
   if (body.plane_stiffness) places.push_back(body.plane_stiffness->to_fraction);
   if (body.one_sided_softness) places.push_back(body.one_sided_softness->to_fraction);
   if (body.wall && !body.wall->everywhere) places.push_back(body.wall->fraction);
+  for (const Stretch& stretch : body.stretches()) {
+    places.push_back(stretch.from);
+    places.push_back(stretch.to);
+  }
   if (scenario.input_path.tendon_friction) {
     // The moment of rubbing tendons falls along a segment, here in steps.
     constexpr int kSteps = 4;
@@ -199,7 +217,8 @@ void hide_in_rod(const Scenario& scenario, const Cut& cut, RitzRodParams& params
   for (std::size_t j = 0; j < cut.parts.size(); ++j) {
     if (sections_differ(body) || joint_ratio(scenario, cut.parts[j]) != 1.0)
       params.pieces[j].sections = sections(scenario, cut.parts[j]);
-    params.pieces[j].laws = laws(body, cut.parts[j]);
+    if (!is_coupling(body, cut.parts[j])) params.pieces[j].laws = laws(body, cut.parts[j]);
+    params.pieces[j].stretch = stretch_law(body, cut.parts[j]);
   }
   distribute_mass(scenario, cut, params);
   params.tip_mass_kg += body.tip_mass_kg;
@@ -224,6 +243,7 @@ void hide_in_rod(const Scenario& scenario, const Cut& cut, RitzRodParams& params
     params.loads.push_back(
         tether_load(*body.tether, scenario.arm.length_m(), params.gravity_base_m_s2, cut.parts.size() - 1));
   if (body.wall) params.loads.push_back(wall_load(*body.wall, cut));
+  params.draught_grows = body.draught && body.draught->sheltered;
 }
 
 }  // namespace softarm::rig

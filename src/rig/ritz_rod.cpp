@@ -28,6 +28,7 @@ RitzRod::Impl::Impl(const RitzRodParams& rod_params)
       drag(stations),
       inertia(stations),
       arclength_m(stations),
+      exposed_m(stations),
       past(stations),
       forces(stations),
       moments(stations),
@@ -43,6 +44,7 @@ RitzRod::Impl::Impl(const RitzRodParams& rod_params)
     if (load.piece && *load.piece >= params.pieces.size())
       throw std::invalid_argument("a load must act on the end of a piece");
   make_section_nodes();
+  make_stretches();
   load_stiffness.assign(params.loads.empty() ? 0 : stations, Eigen::Matrix3d::Zero());
   RitzRodInputs start;
   start.pieces.resize(params.pieces.size());
@@ -50,6 +52,7 @@ RitzRod::Impl::Impl(const RitzRodParams& rod_params)
   now.q = now.u = Eigen::VectorXd::Zero(n);
   now.stations.resize(stations);
   now.memory = virgin_memory;
+  now.stretch_memory = rested_memory;
   now.core_stiffness_nm2.assign(lengths_m.size(), 0.0);
   kinematics.update(mesh, now.q, lengths_m, 1.0);
   remember(Differences{});
@@ -64,6 +67,7 @@ void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
   std::fill(drag.begin(), drag.end(), 0.0);
   std::fill(inertia.begin(), inertia.end(), 0.0);
   std::fill(arclength_m.begin(), arclength_m.end(), 0.0);
+  std::fill(exposed_m.begin(), exposed_m.end(), 0.0);
   for (std::size_t j = 0; j < params.pieces.size(); ++j) {
     const RodMesh::Piece& piece = mesh.pieces()[j];
     const double diameter_m = params.pieces[j].diameter_m;
@@ -74,8 +78,11 @@ void RitzRod::Impl::set_inputs(const RitzRodInputs& to) {
       if (params.pieces[j].mass_slope != 0.0)
         station_mass *= 1.0 + params.pieces[j].mass_slope * (2.0 * piece.basis.fraction_of(i) - 1.0);
       mass[k] += station_mass;
-      arclength_m[k] += lengths_m[j] * piece.basis.weights()[i];
-      drag[k] += params.air_damping_n_s_m2 * lengths_m[j] * piece.basis.weights()[i];
+      const double along_m = lengths_m[j] * piece.basis.weights()[i];
+      arclength_m[k] += along_m;
+      exposed_m[k] +=
+          params.draught_grows ? along_m * (piece.begin + piece.share * piece.basis.fraction_of(i)) : along_m;
+      drag[k] += params.air_damping_n_s_m2 * along_m;
       inertia[k] += station_mass * diameter_m * diameter_m / 16.0;
     }
   }
@@ -145,6 +152,24 @@ void RitzRod::Impl::remember(const Differences& d) {
   }
 }
 
+bool RitzRod::Impl::increase_load() {
+  now.q.setZero();
+  double load = 0.0, increment = 0.125;
+  while (load < 1.0) {
+    const Eigen::VectorXd start = now.q;
+    const double target = std::min(1.0, load + increment);
+    if (solve(Differences{}, target, false)) {
+      load = target;
+      increment *= 1.5;
+    } else {
+      now.q = start;
+      increment *= 0.5;
+      if (increment < 1e-4) return false;
+    }
+  }
+  return true;
+}
+
 RitzRod::RitzRod(const RitzRodParams& params) : impl_(std::make_unique<Impl>(params)) {}
 RitzRod::~RitzRod() = default;
 RitzRod::RitzRod(RitzRod&&) noexcept = default;
@@ -155,25 +180,17 @@ bool RitzRod::settle(const RitzRodInputs& inputs) {
   const State saved = m.now;
   const RitzRodInputs saved_inputs = m.inputs;
   m.set_inputs(inputs);
-  m.now.q.setZero();
   m.have_factors = false;
-  double load = 0.0, increment = 0.125;
-  while (load < 1.0) {
-    const Eigen::VectorXd start = m.now.q;
-    const double target = std::min(1.0, load + increment);
-    if (m.solve(Differences{}, target, false)) {
-      load = target;
-      increment *= 1.5;
-    } else {
-      m.now.q = start;
-      increment *= 0.5;
-      if (increment < 1e-4) {
-        m.now = saved;
-        m.set_inputs(saved_inputs);
-        m.kinematics.update(m.mesh, m.now.q, m.lengths_m, 1.0);
-        return false;
-      }
-    }
+  std::fill(m.rested_memory.begin(), m.rested_memory.end(), 0.0);
+  bool found = false;
+  do {
+    found = m.increase_load();
+  } while (found && m.keep_stretches());
+  if (!found) {
+    m.now = saved;
+    m.set_inputs(saved_inputs);
+    m.kinematics.update(m.mesh, m.now.q, m.lengths_m, 1.0);
+    return false;
   }
   m.remember(Differences{});
   m.last = m.before = m.oldest = m.now;
@@ -287,7 +304,7 @@ double RitzRod::energy_j() const {
           m.kinematics.node_forces[node].dot(m.kinematics.tangents[node] - m.kinematics.rotations[k].col(2));
     }
   if (m.base_yields()) energy += m.base_spring(m.now.q.head<3>()).energy;
-  return energy + m.section_energy() + m.load_energy();
+  return energy + m.section_energy() + m.stretch_energy() + m.load_energy();
 }
 
 int RitzRod::last_iterations() const {

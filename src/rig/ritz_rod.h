@@ -8,7 +8,8 @@
 // whose rotation vector is unknown too.
 //
 // Sections may differ along a piece and answer bending with laws of their own (section_law.h), whose moments
-// are then summed at the Lobatto points. Hoses and walls are forces at points (point_load.h).
+// are then summed at the Lobatto points; a short piece may answer as a whole. Hoses and walls are forces at
+// points (point_load.h).
 //
 // A piece may also shear and stretch elastically under the dead loads, whose force n at a section is known
 // whatever the shape: the tangent is R (e3 + K^-1 R^T n). By the envelope theorem the equations of statics
@@ -54,6 +55,8 @@ struct RodPiece {
   /// By the fraction of the piece; none: all sections are alike.
   std::function<SectionRatios(double)> sections = {};
   std::vector<std::shared_ptr<const SectionLaw>> laws = {};
+  /// What the piece answers as a whole: to its mean curvature, with the same moment all along.
+  std::shared_ptr<const SectionLaw> stretch = {};
 };
 
 /// A force on the end of a piece, or on the whole rod.
@@ -81,6 +84,8 @@ struct RitzRodParams {
   /// With play: hardly held within it, and beyond it by Hertz's law.
   bool base_bush = false;
   std::vector<RodLoad> loads;
+  /// The draught grows with the fraction, and the inputs have that of the tip; else it is the same all along.
+  bool draught_grows = false;
   /// Sections answer with kinks, as a core that slips does: steps of the second order at most, and each is
   /// corrected until a correction is small itself, not until the next one should be.
   bool kinked = false;
@@ -104,6 +109,8 @@ struct RitzRodInputs {
   double payload_kg = 0.0;          ///< point mass
   double hand_damping_n_s_m = 0.0;  ///< force against the velocity of the payload's place
   Eigen::Vector3d tip_force_base_n = Eigen::Vector3d::Zero();  ///< dead load
+  /// Per length; what of it is along the rod does nothing.
+  Eigen::Vector3d draught_base_n_per_m = Eigen::Vector3d::Zero();
 };
 
 /// The rod's state at one instant and how to advance it. Everything is in the frame of the clamp (base

@@ -57,6 +57,7 @@ void RitzRod::Impl::evaluate(const Differences& d, double load) {
     }
   }
   if (!section_nodes.empty()) add_sections(d, load);
+  add_stretches(d, load);
   // Virtual work of the moments: each interval turns everything beyond it.
   Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
   for (std::size_t k = stations - 1; k-- > 0;) {
@@ -108,6 +109,7 @@ void RitzRod::Impl::factorise(const Differences& d) {
                                (1.0 + params.pieces[j].retardation_s * rate) * mesh.pieces()[j].basis.gram();
     }
   if (!section_nodes.empty()) factorise_sections(d);
+  factorise_stretches();
   constexpr int kIntervals = StrainBasis::kIntervals;
   for (int e = 0; e < mesh.elements(); ++e) {
     const int columns = 3 * (mesh.element(e).first_function + 4);
@@ -120,7 +122,7 @@ void RitzRod::Impl::factorise(const Differences& d) {
           moment_stiffness(static_cast<std::size_t>(e * kIntervals + i) + 1, rate * rate) *
           rotation.middleRows<3>(3 * i);
     block.noalias() += rotation.transpose() * turned;
-    if (d.dt > 0.0 || !load_stiffness.empty()) {
+    if (d.dt > 0.0 || !load_stiffness.empty() || has_draught()) {
       const auto position = kinematics.position_jacobian.block(row, 0, 3 * kIntervals, columns);
       for (int i = 0; i < kIntervals; ++i) {
         const auto k = static_cast<std::size_t>(e * kIntervals + i) + 1;
@@ -128,6 +130,8 @@ void RitzRod::Impl::factorise(const Differences& d) {
             (mass[k] * rate * rate + drag[k] * rate) * position.middleRows<3>(3 * i);
         if (!load_stiffness.empty())
           turned.middleRows<3>(3 * i) += load_stiffness[k] * position.middleRows<3>(3 * i);
+        if (has_draught())
+          turned.middleRows<3>(3 * i) += draught_stiffness(k) * rotation.middleRows<3>(3 * i);
       }
       block.noalias() += position.transpose() * turned;
     }
@@ -198,6 +202,7 @@ bool RitzRod::Impl::solve(const Differences& d, double load, bool factors_valid)
     if (size < tolerance || small_next) {
       kinematics.update(mesh, now.q, lengths_m, load);
       if (!section_nodes.empty()) add_sections(d, load);  // what they remember
+      add_stretches(d, load);
       return true;
     }
     evaluate(d, load);

@@ -44,6 +44,7 @@ struct State {
   std::vector<Station> stations;
   Eigen::Matrix<double, 3, 2> payload = Eigen::Matrix<double, 3, 2>::Zero();  ///< off the axis: x, v
   std::vector<double> memory;                                                 ///< of the section laws
+  std::vector<double> stretch_memory;                                         ///< of pieces as a whole
   std::vector<double> core_stiffness_nm2;                                     ///< per piece
 };
 
@@ -76,6 +77,14 @@ struct SectionNode {
   double weight = 0.0;  ///< of the piece
   SectionRatios ratios;
   std::size_t first_memory = 0;
+};
+
+/// A piece that answers as a whole.
+struct RodStretch {
+  std::size_t piece = 0;
+  SectionRatios ratios;  ///< their means
+  std::size_t first_memory = 0;
+  SectionResponse response = {};  ///< of the last evaluation
 };
 
 struct RitzRod::Impl {
@@ -117,6 +126,18 @@ struct RitzRod::Impl {
   void factorise_sections(const Differences& d);
   double section_energy() const;
 
+  void make_stretches();
+  SectionStep step_of(const RodStretch& stretch, const Differences& d, double load) const;
+  /// Pieces that answer as a whole, once the residual has their sections; takes their memory along.
+  void add_stretches(const Differences& d, double load);
+  void factorise_stretches();
+  double stretch_energy() const;
+  /// To the whole load from none, in statics.
+  bool increase_load();
+  /// What stretches remember of the equilibrium just found is what the next begins with. @return whether
+  /// that is something else
+  bool keep_stretches();
+
   /// Stations that a load acts on, and how much of it.
   template <typename Action>
   void for_each_loaded(const RodLoad& load, const Action& action) const {
@@ -132,6 +153,9 @@ struct RitzRod::Impl {
   void add_payload_moment();
   void factorise_payload(double rate2);
   double load_energy() const;
+  /// What a rotation of station k changes in minus the force of the whole draught on it.
+  Eigen::Matrix3d draught_stiffness(std::size_t k) const;
+  bool has_draught() const { return !inputs.draught_base_n_per_m.isZero(0.0); }
   bool payload_off_axis() const { return !params.payload_offset_section_m.isZero(0.0); }
   std::size_t payload_station() const {
     return static_cast<std::size_t>(
@@ -186,9 +210,12 @@ struct RitzRod::Impl {
   std::vector<double> mass, drag;   ///< of the stations: kg, N s / m
   std::vector<double> inertia;      ///< of each of d1 and d2: that of a disc about a diameter, kg m^2
   std::vector<double> arclength_m;  ///< of the stations: what they stand for
+  std::vector<double> exposed_m;    ///< likewise, of what the draught pushes in full
   std::vector<SectionNode> section_nodes;
-  std::vector<SectionResponse> responses;       ///< per section node, of the last evaluation
-  std::vector<double> virgin_memory;            ///< zeros
+  std::vector<SectionResponse> responses;  ///< per section node, of the last evaluation
+  std::vector<double> virgin_memory;       ///< zeros
+  std::vector<RodStretch> stretches;
+  std::vector<double> rested_memory;            ///< of stretches, from which statics come
   std::vector<Eigen::Matrix3d> load_stiffness;  ///< per station, of the last evaluation
   Eigen::Vector3d payload_force = Eigen::Vector3d::Zero();
   State now, last, before, oldest;

@@ -1,4 +1,5 @@
-// What acts on RitzRod from outside: hoses and walls, a payload off the axis, the hinge of the base.
+// What acts on RitzRod from outside: hoses and walls, moving air, a payload off the axis, the hinge of the
+// base.
 #include <algorithm>
 #include <cmath>
 
@@ -57,6 +58,11 @@ void RitzRod::Impl::add_loads(const Differences& d, double load) {
       forces[k] += load * amount * force.force_n;
       load_stiffness[k] += load * amount * (force.stiffness_n_per_m + d.rate() * force.damping_n_s_per_m);
     });
+  const Eigen::Vector3d& draught = inputs.draught_base_n_per_m;
+  for (std::size_t k = 0; k < stations && has_draught(); ++k) {
+    const Eigen::Vector3d tangent = kinematics.rotations[k].col(2);
+    forces[k] += load * exposed_m[k] * (draught - tangent.dot(draught) * tangent);
+  }
   if (!payload_off_axis()) return;
   payload_force = inputs.payload_kg * load * params.gravity_base_m_s2;
   if (d.dt > 0.0) {
@@ -67,6 +73,14 @@ void RitzRod::Impl::add_loads(const Differences& d, double load) {
         d.apply<Eigen::Vector3d>(v, last.payload.col(1), before.payload.col(1), oldest.payload.col(1));
   }
   forces[payload_station()] += payload_force;
+}
+
+Eigen::Matrix3d RitzRod::Impl::draught_stiffness(std::size_t k) const {
+  const Eigen::Vector3d& draught = inputs.draught_base_n_per_m;
+  const Eigen::Vector3d tangent = kinematics.rotations[k].col(2);
+  const Eigen::Matrix3d by_tangent =
+      tangent.dot(draught) * Eigen::Matrix3d::Identity() + tangent * draught.transpose();
+  return -exposed_m[k] * by_tangent * cross_matrix(tangent);
 }
 
 void RitzRod::Impl::add_payload_moment() {

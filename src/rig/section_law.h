@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 
 namespace softarm::rig {
@@ -14,6 +15,14 @@ struct SectionStep {
   double stiffness_nm2 = 0.0;  ///< EI of the section, core included
   /// The part of it that a jammed core gives.
   double core_stiffness_nm2 = 0.0, last_core_stiffness_nm2 = 0.0;
+
+  // Of a stretch that answers as a whole (RodPiece::stretch) alone; the curvatures are then its means.
+  double length_m = 0.0;
+  Eigen::Vector2d driven_per_m = Eigen::Vector2d::Zero();  ///< what its actuation alone bends it to
+  Eigen::Vector2d lag_per_m = Eigen::Vector2d::Zero();     ///< retardation times the curvature's rate
+  double lag_slope = 0.0;                                  ///< derivative of the lag by the curvature
+  /// Likewise by the curvatures of the three instants before, the latest first.
+  std::array<double, 3> lag_past{};
 };
 
 /// What laws add to the linear moment EI * curvature.

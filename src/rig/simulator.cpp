@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "arm_cut.h"
+#include "draught.h"
 #include "input_path.h"
 #include "laws.h"
 #include "protocol.h"
@@ -64,6 +65,7 @@ struct Simulator::Impl {
         protocol(spec),
         cut(cut_arm(spec)),
         rod(rod_params(spec, cut)),
+        draught(spec.body.draught, spec.arm.length_m(), spec.seed),
         sensors(scenario, protocol),
         commands(protocol.at(0.0)),
         input_path(scenario, commands) {
@@ -133,6 +135,7 @@ struct Simulator::Impl {
     inputs.pieces = piece_inputs(cut, actuation);
     inputs.payload_kg = commands.payload_kg;
     inputs.hand_damping_n_s_m = commands.hand_damping_n_s_m;
+    inputs.draught_base_n_per_m = scenario.mount.q_mocap_base.conjugate() * draught.at(t_s);
     return inputs;
   }
 
@@ -192,6 +195,7 @@ struct Simulator::Impl {
   Protocol protocol;
   Cut cut;
   RitzRod rod;
+  DraughtForce draught;
   Sensors sensors;
   std::vector<std::string> names;
   int substeps = 1;

@@ -81,7 +81,7 @@ TEST(HiddenBodyDynamics, HeldMomentCreepsByItsShare) {
 
 /// Everything in a body that keeps or burns energy, one at a time.
 std::vector<HiddenArm> passive_arms() {
-  std::vector<HiddenArm> arms(12);
+  std::vector<HiddenArm> arms(14);
   arms[1].scenario.body.stiffening = Stiffening{2e-3, true};
   arms[2].scenario.body.creep = Creep{0.3, 0.3, true};
   arms[3].scenario.body.hysteresis = MaterialHysteresis{0.5, 1.0};
@@ -93,6 +93,8 @@ std::vector<HiddenArm> passive_arms() {
   arms[9].scenario.body.base_play_rad = 0.01;
   arms[10].scenario.body.payload_offset_m = {0.01, 0.0, 0.02};
   arms[11].scenario.body.soft_spot = SoftSpot{0.5, 0.2, 0.4};
+  arms[12].scenario.body.kink = Kink{{0.3, 0.36}, 0.5, 2.0, 1.0};
+  arms[13].scenario.body.joint_play = JointPlay{{0.4, 0.42}, 0.01};
   for (HiddenArm& arm : arms) {
     arm.scenario.mount.q_mocap_base = Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
     arm.scenario.gravity_m_s2 = 9.81;
@@ -202,7 +204,10 @@ TEST(HiddenBodyDynamics, AbsentIsTheIdealArm) {
                              "tip_mass, mass_kg: 0",
                              "tether, stiffness_n_per_m: 0",
                              "contact, stiffness_n_per_m: 50, distance_m: 1, azimuth_deg: 0",
-                             "hysteresis, form: material, loop_per_m: 0"})
+                             "hysteresis, form: material, loop_per_m: 0",
+                             "draught, force_n: 0, correlation_s: 2",
+                             "kink, share: 0, fraction: 0.4, fold_per_m: 1",
+                             "joint_play, play_deg: 0, fraction: 0.4"})
     EXPECT_LT(largest_difference(rings("hidden: [{effect: " + std::string(hidden) + "}]\n", kFine), ideal),
               1e-8)
         << hidden;
@@ -250,7 +255,11 @@ TEST(HiddenBodyDynamics, EveryEffectAndFormMovesTheArm) {
         "tether, form: hose, stiffness_n_per_m: 2, hose_kg: 0.02",
         "contact, stiffness_n_per_m: 50, distance_m: 0.0005, azimuth_deg: 0",
         "contact, form: rough_wall, stiffness_n_per_m: 50, distance_m: 0.0005, azimuth_deg: 0",
-        "hysteresis, form: material, loop_per_m: 0.5"})
+        "hysteresis, form: material, loop_per_m: 0.5",
+        "draught, force_n: 0.01, correlation_s: 2",
+        "draught, form: sheltered, force_n: 0.01, correlation_s: 2",
+        "kink, share: 0.4, fraction: 0.4, fold_per_m: 0.5",
+        "joint_play, play_deg: 0.5, fraction: 0.4"})
     EXPECT_GT(largest_difference(rings("hidden: [{effect: " + std::string(hidden) + "}]\n"), ideal), 5e-6)
         << hidden;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "../../src/rig/section_laws.h"
+#include "../../src/rig/stretch_laws.h"
 
 namespace softarm::rig {
 namespace {
@@ -83,7 +84,8 @@ TEST(HiddenSections, TangentsAreTheDerivativesOfTheMoments) {
                                         plane_stiffness(0.4, 0.3),
                                         rib_stiffness(0.4, 0.3),
                                         one_sided_folds(0.4, 0.3),
-                                        one_sided_softness(0.4, 0.3)};
+                                        one_sided_softness(0.4, 0.3),
+                                        kink_law({{}, 0.4, 4.0, 2.0})};
   for (std::size_t i = 0; i < laws.size(); ++i) {
     Section section(laws[i]);
     section.to({3.0, -5.0}, 0.01, 0.01);
@@ -266,7 +268,7 @@ TEST(HiddenSections, NothingGivesBackMoreThanItTook) {
                                         jammed_core({0.0, 2.0, true}),  plane_stiffness(0.4, 0.3),
                                         rib_stiffness(0.4, 0.3),        one_sided_folds(0.4, 0.3),
                                         oval_softening(0.4, 4.0),       wrinkling_softening(0.4, 4.0),
-                                        one_sided_softness(0.4, 0.3)};
+                                        one_sided_softness(0.4, 0.3),   kink_law({{}, 0.4, 4.0, 2.0})};
   for (std::size_t i = 0; i < laws.size(); ++i) {
     Section section(laws[i]);
     Vector2d last = Vector2d::Zero(), moment = section.to(last, 1e-3, 0.01);

@@ -81,7 +81,7 @@ HiddenChoice strong(const HiddenEffect& effect, const std::string& form, double 
     if (p.key == "stiffness_nm_per_rad" || p.key == "over_s") value = p.usual_low;
     if (p.whole) value = p.otherwise.value_or(p.usual_low);
     if (p.key == "azimuth_deg") value = towards_deg;
-    if (p.key == "distance_m") value = p.usual_low;
+    if (p.key == "distance_m" || p.key == "fold_per_m") value = p.usual_low;
     choice.values[p.key] = value;
   }
   return choice;
