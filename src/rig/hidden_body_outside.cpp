@@ -76,7 +76,7 @@ std::vector<HiddenEffect> outside_effects() {
        {},
        {{"share", 0.0, 0.9, 0.15, 0.6, "by which its bending stiffness drops"},
         {"fraction", 0.0, 1.0, 0.15, 0.7, "where the stretch begins, of the arm's length"},
-        {"fold_per_m", 1e-2, 1e3, 1.5, 5.0, "curvature at which it folds"},
+        {"fold_per_m", 1e-2, 1e3, 1.0, 4.0, "curvature at which it folds"},
         {"unfold_share", 0.05, 1.0, 0.4, 0.8, "of that curvature, at which it unfolds", 0.6},
         {"width_fraction", 0.01, 0.3, 0.04, 0.08, "how long it is, of the arm's length", 0.05}},
        kink},

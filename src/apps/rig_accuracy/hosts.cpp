@@ -61,6 +61,7 @@ rig::HiddenChoice usual_choice(const rig::HiddenEffect& effect, const std::strin
     double value = low < 0.0 && high > 0.0 ? 0.5 * high : 0.5 * (low + high);
     if (effect.id == "occlusion" && parameter.key == "beyond_deg") value = 10.0;
     if (effect.id == "contact" && parameter.key == "distance_m") value = 0.75 * low + 0.25 * high;
+    if (parameter.key == "fold_per_m") value = low;
     if (parameter.whole) value = parameter.otherwise.value_or(low);
     if (parameter.key == "azimuth_deg" || parameter.key == "towards_deg") value = towards_deg;
     choice.values[parameter.key] = value;
