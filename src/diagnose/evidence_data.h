@@ -19,8 +19,9 @@ struct Signature {
   /// Of an effect that is not there: standard deviation of what is not known of it in any arm, usual sizes.
   double unknown_sd = 0.0;
   double log_weight = 0.0;  ///< of an unknown at an end of its range: share of what was possible beforehand
-  /// Of an effect: of how many chambers, bodies and the like it might be, each as probable beforehand. It is
-  /// looked for in all of them, and the one that suits the data best is in the model.
+  /// Of an effect: of how many chambers, bodies or kinds (all that its numbers count) it might be, each as
+  /// probable beforehand. It is looked for in all of them, and the one that suits the data best is in the
+  /// model.
   double log_choices = 0.0;
 };
 

@@ -286,11 +286,13 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
       usual.push_back(is_usual(model, present));
     } else {
       // Those that might be there in its place would explain as little.
-      for (const model::Effect* rival : selection.rounds[selection.round_of[e]].rivals)
-        for (Candidate& candidate : d.ranking)
-          if (candidate.finding == Finding::kRival && candidate.id == rival->info().id &&
-              weighed.insert(rival).second)
-            candidate.probability *= no_stand_in(*rival);
+      const Round& round = selection.rounds[selection.round_of[e]];
+      for (const EffectList* list : {&round.rivals, &round.nearly_as_good})
+        for (const model::Effect* rival : *list)
+          for (Candidate& candidate : d.ranking)
+            if (candidate.finding == Finding::kRival && candidate.id == rival->info().id &&
+                weighed.insert(rival).second)
+              candidate.probability *= no_stand_in(*rival);
     }
     (small ? d.small_departures : d.effects).push_back(std::move(effect));
   }

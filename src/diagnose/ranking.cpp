@@ -79,9 +79,8 @@ std::vector<Candidate> ranking_of(const JointModel& model, const Selection& sele
     c.log_score = r.gain / bodies;
     list.push_back(std::move(c));
   }
-  for (const std::size_t n : selection.round_of) {
-    const Round& round = selection.rounds[n];
-    for (const Effect* rival : round.rivals) {
+  const auto add_rivals = [&](const Round& round, const EffectList& rivals) {
+    for (const Effect* rival : rivals) {
       if (known(rival)) continue;
       Candidate c = candidate_of(round, rival);
       c.finding = Finding::kRival;
@@ -92,7 +91,10 @@ std::vector<Candidate> ranking_of(const JointModel& model, const Selection& sele
       }
       list.push_back(std::move(c));
     }
-  }
+  };
+  for (const std::size_t n : selection.round_of) add_rivals(selection.rounds[n], selection.rounds[n].rivals);
+  for (const std::size_t n : selection.round_of)
+    add_rivals(selection.rounds[n], selection.rounds[n].nearly_as_good);
   std::vector<Candidate> others;
   for (const Screened& s : selection.rounds.back().screened)
     if (!known(s.effect)) others.push_back(left_aside(model, selection, s));

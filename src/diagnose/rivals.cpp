@@ -86,6 +86,7 @@ EffectList nearly_as_good(const Round& round) {
   const double noise_share = std::min(1.0, first.fit.rows / std::max(1.0, first.unseen.total_chi2));
   const double left_m2 = std::pow(first.unseen.total_rms_m, 2) * (1.0 - noise_share);
   EffectList list;
+  if (!(left_m2 > 0.0)) return list;
   for (const Refitted& r : round.refitted) {
     const double own_m2 = std::pow(r.moved_m, 2);
     const bool rival = std::find(round.rivals.begin(), round.rivals.end(), r.effect) != round.rivals.end();

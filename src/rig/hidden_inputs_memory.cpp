@@ -113,7 +113,7 @@ std::vector<HiddenEffect> memory_effects() {
        {{"gain_share", -0.9, 10.0, -0.06, -0.02, "share by which all moments grow", 0.0},
         {"stiffness_share", -0.9, 10.0, -0.06, -0.02, "share by which all stiffnesses grow", 0.0},
         {"over_s", 0.1, 1e7, 300.0, 1800.0,
-         "time after which this is reached; saturating: after which 63 % is"}},
+         "time after which this is reached; saturating: after which 63 % is reached"}},
        drift},
       {"temperature",
        true,

@@ -91,6 +91,9 @@ TEST_F(BestOf, WhereMuchIsLeftWhatExplainsNearlyAsMuchMayBeThereInstead) {
   };
   // They leave more than the first by 0.31 and 0.6 mm; nothing is left, then 0.7 mm beyond the noise, then 2.
   EXPECT_EQ(found_at(0.2e-3, 1000.0), std::vector<std::string>{});
+  round_.refitted[1].moved_m = 1.1e-3;  // is worse for another reason
+  EXPECT_EQ(found_at(0.2e-3, 1000.0), std::vector<std::string>{});
+  round_.refitted[1].moved_m = moved_m[1];
   EXPECT_EQ(found_at(0.7e-3, 1e6), std::vector<std::string>{round_.refitted[1].effect->info().id});
   EXPECT_EQ(found_at(2e-3, 1e6).size(), 2u);
   round_.refitted[2].moved_m = 0.6e-3;  // explains too little to be it

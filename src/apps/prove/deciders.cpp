@@ -239,6 +239,15 @@ Decision bic_stepwise(JointModel& model, const Look& first, const Options& optio
     decision.effects.erase(std::remove_if(decision.effects.begin(), decision.effects.end(), is_gone),
                            decision.effects.end());
   }
+  // What is named itself is not there instead of another.
+  for (Named& named : decision.effects)
+    named.confusable_with.erase(std::remove_if(named.confusable_with.begin(), named.confusable_with.end(),
+                                               [&](const std::string& other) {
+                                                 return std::any_of(
+                                                     decision.effects.begin(), decision.effects.end(),
+                                                     [&](const Named& one) { return one.effect == other; });
+                                               }),
+                                named.confusable_with.end());
   decision.alarm = !decision.effects.empty();
   put_first(decision.effects, decision.ranking);
   return decision;
