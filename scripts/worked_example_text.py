@@ -60,11 +60,11 @@ The truth of each instant is known (EI depends on the pressures). Against it, th
 
 The clamp of this arm yields a little. Nobody sees it, because the body `base`, which the cameras follow, sits on the part that does not move. A fit gives results that look good and are wrong. This page shows how the fault is found, step by step, on the virtual rig, where the truth can be looked up at the end.
 
-This page is the output of `scripts/worked_example`: every figure and every line of program output below is from that run.
+This page is the output of `scripts/worked_example`: every figure and every line of program output below is from that run. Where it says `softarm`, type `scripts/softarm`.
 
 ## 1. Record
 
-Record nine trials of 30 s: three speeds, three mountings, without payload and with. This is the recipe of [doc/diagnose.md](diagnose.md). A laboratory records the trials on its arm; here the virtual rig does ([the campaign](../config/campaigns/worked_example.yaml)):
+Record nine trials of 30 s: three speeds, three mountings, without payload and with. This is the recipe of [diagnose](diagnose.md). A laboratory records the trials on its arm; here the virtual rig does ([the campaign](../config/campaigns/worked_example.yaml)):
 
 ```
 $ softarm campaign worked_example --cases 1 --seed 1 --out campaign
@@ -99,7 +99,7 @@ $ softarm diagnose --arm my_arm.yaml campaign/case_001/*.bag --out report
 
 The diagnosis took {steps.seconds["diagnose"]:.0f} s here. Read it from the top:
 
-- **Verdict.** With the named effect the rms error on trials that the fit has not seen falls from {1e3 * before:.2f} to {1e3 * after:.2f} mm. One set of constants must serve all mountings, speeds and payloads at once. This is why the error without the effect is {1e3 * before:.2f} mm, which no single frame shows.
+- **Verdict.** Its figures are mean distances. As rms, in which the more precise means of frames count more, the error on trials that the fit has not seen falls, with the named effect, from {1e3 * before:.2f} to {1e3 * after:.2f} mm. One set of constants must serve all mountings, speeds and payloads at once. This is why the error without the effect is {1e3 * before:.2f} mm, which no single frame shows.
 - **collinearity** ({100 * report["ranking"][0]["collinearity"]:.0f} % in the list of candidates): this share of what a yielding base does looks like a softer arm. The rest gives it away: the turn sits at the base, before the first ring, and grows with the moment there.
 - **Estimates before, and with this**: how much EI and the gains are corrected.
 - **mistaken for**: a spring at the base has rivals (clamped ends, shear). Other trials than these might leave them open, and they would be listed here.
@@ -121,7 +121,7 @@ Now the seal is opened (`campaign/truth/case_001/trial_01.truth.yaml`):
 
 The left panel shows the median and the quartiles of the error of EI, over the frames in which EI is identifiable.{' The verdict says that something is left. This rest is no larger than the noise, but not white; it hides nothing of the size of a millimetre.' if report['verdict'] == 'partly_explained' and report['residual_structure']['chi2_per_dof'] < 1.2 else ''}
 
-The intervals of `identify` and of single frames, of a per cent or less, came from the noise alone. They could not know what the model lacks.
+The intervals of `identify` and of single frames came from noise and residuals alone. They could not know what the model lacks.
 {extended}
 ## On your own arm
 
