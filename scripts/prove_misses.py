@@ -3,6 +3,7 @@ import math
 
 import prove_real_score
 import prove_score
+import prove_short
 from prove_figures import WORLDS, extent
 from prove_files import markdown
 
@@ -199,12 +200,12 @@ def story(results, figures, names):
     """doc/proof_misses.md. names: of files, see prove_pages.py."""
     drawn = [result for result in results if result["truth"]]
     by_world = missed(results)
-    text = f"""# What the proof missed, and why
+    text = f"""# What {prove_short.what(figures)} missed, and why
 
-Of the {len(drawn)} cases of [the proof]({names['story']}), {sum(len(some) for some in by_world.values())} count against the
+Of the {len(drawn)} cases of [{prove_short.what(figures)}]({names['story']}), {sum(len(some) for some in by_world.values())} count against the
 diagnosis. This page lists each of them, with the reasons.
 `scripts/prove` worked these out from what was hidden, what the report said and what an ideal detector would see.
-The proof is of {extent(figures)}; seed {figures['seed']}, engine `{figures['engine']}`.
+These pages are of {extent(figures)}; seed {figures['seed']}, engine `{figures['engine']}`.
 
 - *Said*: the verdict, then each name with its probability and, in square brackets, what the report lists as confusable with it.
 - *Counts as*: [the rates]({names['story']}#what-was-measured-and-how) that count against the diagnosis. A case that is not clear is

@@ -1,4 +1,7 @@
 """The table of the proof and doc/proof.md, from prove_figures.figures()."""
+import collections
+import re
+
 import prove_misses
 import prove_real_report
 import prove_figures
@@ -260,9 +263,12 @@ def number_of(count, one, many):
 
 def rejected(figures):
     """Draws that did not do, cases that could not be drawn, and diagnoses that failed."""
-    most = list(figures["rejected_reasons"].items())[:5]
-    more = "; others" if len(figures["rejected_reasons"]) > len(most) else ""
-    why = " (" + "; ".join(f"{why}: {count}" for why, count in most) + more + ")" if most else ""
+    reasons = collections.Counter()
+    for reason, count in figures["rejected_reasons"].items():
+        reasons[re.sub(r": #$", "", reason)] += count  # "#" stands for a number that differs
+    most = reasons.most_common(5)
+    more = "; others" if len(reasons) > len(most) else ""
+    why = " (" + "; ".join(f"{why}, {count} times" if count > 1 else f"{why}, once" for why, count in most) + more + ")" if most else ""
     failed = figures["failed"]
     return (f"{number_of(figures['rejected_draws'], 'draw was', 'draws were')} rejected before the seal{why}. "
             f"{number_of(figures['not_drawn'], 'case', 'cases')} could not be drawn. {number_of(failed, 'diagnosis', 'diagnoses')} failed"
@@ -382,9 +388,9 @@ def trials(results, figures, names):
                                             f"({1e3 * report['noise_floor_m']:.3f})")
         lines.append([result["case"], result["kind"], hidden_description(truth),
                       ideal_description(truth), said(result), errors, judged(result)])
-    return f"""# Every case of the proof
+    return f"""# Every case of {prove_short.what(figures)}
 
-These are the cases of [the proof]({names['story']}), seed {figures['seed']}. That page defines the words.
+These are the cases of [{prove_short.what(figures)}]({names['story']}), seed {figures['seed']}. That page defines the words.
 
 - *Hidden*: the effect, its form, and what it leaves after the arm's constants are refitted, in standard deviations (sd) and in mm.
   Of a recording of a real arm: the arm and the part of the recordings, the fault, and what it leaves beside what the untouched
@@ -450,13 +456,19 @@ def story(results, figures, names):
     """doc/proof.md. names: of files, see prove_pages.py."""
     kinds = [["kind", "cases", "what is hidden"]]
     kinds += [[k, figures[k]["trials"], KIND_DESCRIPTION[k]] for k in prove_score.KINDS if figures[k]["trials"]]
-    return f"""# The proof of `softarm diagnose`
+    table_rows = rows(figures)
+    example = next((row[0] for row in table_rows if row[0].endswith(": top1")), "single_strong: top1")
+    return f"""# {prove_short.title(figures)}
 
-{prove_short.summary(results)}
+{prove_short.summary(results, figures, names)}
 {prove_short.story(results, names)}
 ## All figures and their targets
 
-{markdown([HEADINGS] + rows(figures))}
+A name such as `{example}` is a kind of case and a rate:
+[what was measured, and how](#what-was-measured-and-how) explains both.
+The last columns are of simpler methods, which are explained below the table.
+
+{markdown([HEADINGS] + table_rows)}
 
 {JUDGED}
 {versus(figures)}

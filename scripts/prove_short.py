@@ -2,6 +2,7 @@
 import statistics
 
 import prove_figures
+import prove_rig
 import prove_score
 import prove_solid
 from prove_files import markdown
@@ -21,8 +22,9 @@ QUESTIONS = [
 ]
 SURE = prove_score.CONFIDENT
 FEWEST_CASES = 2  # of an effect that has a row of its own
-WORLDS_IN_WORDS = {"tidy": "simulated arms whose file is otherwise right", "untidy": "simulated arms with small departures of everything",
-                   "solid": "the finite-element arm", "real": "real arms"}
+FEWEST_STATEMENTS = 10  # of fewer no share is told in percent
+WHOLE_PAGE = "proof.md"
+GROUPS = {"simulated arms": ("tidy", "untidy"), "the finite-element arm": ("solid",), "real arms": ("real",)}
 DEFINITIONS = """- *False alarm*: with nothing hidden, the report names an effect that is not there, whatever its probability. In
   the kind `none`, which has no departures above the noise, any name counts, and so does any verdict but *consistent* and *cannot
   tell*. For untouched recordings of a real arm only names of their interventions count, from 50 %.
@@ -37,8 +39,8 @@ DEFINITIONS = """- *False alarm*: with nothing hidden, the report names an effec
 - Cases in which what is hidden is too small to be seen (not *clear*, see [the worlds](#the-worlds)) count for false alarms and
   confident statements only.
 """
-ONE_HIDDEN = {"simulated arms": ("single_strong", "single_weak", "compensated", "untidy_single", "solid_single", "solid_compensated"),
-              "real arms": ("intervention",)}
+ONE_HIDDEN = {"simulated arms": ("single_strong", "single_weak", "compensated", "untidy_single"),
+              "the finite-element arm": ("solid_single", "solid_compensated"), "real arms": ("intervention",)}
 
 
 def counted(results, kinds, rate):
@@ -85,48 +87,141 @@ def sure_statements(results):
     return markdown(lines)
 
 
-def joined(parts):
-    return ", ".join(parts[:-1]) + " and " + parts[-1] if len(parts) > 1 else "".join(parts)
+def joined(parts, space=" "):
+    return f",{space}".join(parts[:-1]) + f"{space}and " + parts[-1] if len(parts) > 1 else "".join(parts)
 
 
-def parts_of(counts, what):
-    """"in 3 of 5 cases (60 %) on real arms and ...", of those that have any; counts: by whose: (hits, count)."""
-    return joined([f"in {hits} of {count} {what} ({100 * hits / count:.0f} %) on {whose}" for whose, (hits, count) in counts.items() if count])
+def whole(figures):
+    return figures["full"] and set(figures.get("worlds", prove_figures.WORLDS)) == set(prove_figures.WORLDS)
+
+
+def campaign_of_its_own(figures):
+    """Name of the campaign where it is none of the proof's; otherwise None."""
+    named = figures.get("campaign")
+    known = {*prove_rig.CAMPAIGNS.values(), *prove_figures.WORLDS}
+    return named if named and not set(named.split(", ")) <= known else None
+
+
+def what(figures):
+    """What the pages are of, in words."""
+    if campaign_of_its_own(figures):
+        return f"the campaign `{campaign_of_its_own(figures)}`"
+    if figures.get("so_far"):
+        return "the proof so far"
+    return "the proof" if whole(figures) else "a part of the proof" if figures["full"] else "a sample of the proof"
+
+
+def arms(figures):
+    """" of real and finite-element arms", where not all arms are there."""
+    found = set(figures["worlds"])
+    if not found or found == set(prove_figures.WORLDS) or campaign_of_its_own(figures):
+        return ""
+    simulated = [world for world in GROUPS["simulated arms"] if world in found]
+    words = ["simulated" if len(simulated) == 2 else f"{simulated[0]} simulated"] if simulated else []
+    words += [word for world, word in (("real", "real"), ("solid", "finite-element")) if world in found]
+    return f" of {joined(words)} arms"
+
+
+def cases_of(figures):
+    return f"{figures['draws']} {'case' if figures['draws'] == 1 else 'cases'}"
+
+
+def title(figures):
+    if what(figures) == "the proof":
+        return "The proof of `softarm diagnose`"
+    of = what(figures)
+    count = f"{figures['draws']} of {figures['so_far']} cases" if figures.get("so_far") else cases_of(figures)
+    return f"{of[0].upper()}{of[1:]}: {count}{arms(figures)}"
+
+
+def about(figures, names):
+    """What the page is of, and of a part of the proof where the whole of it is; a sentence or two."""
+    found = figures["worlds"]
+    simulated = "simulated trials" if "tidy" in found or "untidy" in found else "trials of a finite-element arm" if "solid" in found else None
+    done = [f"effects were hidden in {simulated}"] if simulated else []
+    done += ["known faults were put into recordings of real arms"] if "real" in found else []
+    text = (f"This page reports a blind test of `softarm diagnose` by {cases_of(figures)}:\n{', '.join(done)},\n"
+            "and the diagnosis had to name them before the sealed truth was opened.\n")
+    if what(figures) == "the proof":
+        return text
+    page = "the whole proof" if names["story"] == WHOLE_PAGE else f"[the whole proof]({WHOLE_PAGE})"
+    if campaign_of_its_own(figures):
+        return text + f"They are other cases than those of {page}, and few cases say little.\n"
+    if figures["full"] or figures.get("so_far"):
+        return text + f"It is no more than a part of {page}, and few cases say little.\n"
+    return text + f"It is a sample: so few cases say little, and {page} has many more.\n"
+
+
+def groups(results):
+    """By group of worlds, and by world, what sure() has of it; of the groups that have any."""
+    of = sure(results)
+    found = {group: {world: of[world] for world in worlds if world in of} for group, worlds in GROUPS.items()}
+    return {group: worlds for group, worlds in found.items() if worlds}
+
+
+def total(worlds):
+    """(confident statements that are right, all of them) of some worlds."""
+    return tuple(sum(one[i] for one in worlds.values()) for i in (0, 1))
+
+
+def right_statements(results):
+    """How many of the confident statements are right, by group of worlds: a sentence."""
+    parts = []
+    for group, worlds in groups(results).items():
+        right, said = total(worlds)
+        later = "; see the note below" if "solid" in worlds and found_by_nature(results) else ""
+        if said >= FEWEST_STATEMENTS:
+            told = f"it is right in {right} of {said} statements ({100 * right / said:.0f} %)"
+        else:
+            told = f"there are too few statements to say ({right} of {said} right)" if said else "there is no such statement"
+        parts.append(f"on {group} ({joined([f'*{world}*' for world in worlds])}{later}) {told}")
+    return f"Where the diagnosis is more than {100 * SURE:.0f} % sure,\n" + ";\n".join(parts) + ".\n"
+
+
+def trust(worlds):
+    """"all", "none" or "some": how much of the 90 % interval of the share that is right is as right as it says. Where one of several
+    worlds is not to be believed, its group is not; empty: too few statements leave it open."""
+    def ends(right, said):
+        return prove_figures.interval(right, said) or (0.0, 1.0)
+
+    right, said = total(worlds)
+    low, high = ends(right, said)
+    if high < SURE or any(ends(*one[:2])[1] < SURE for one in worlds.values() if one[1] >= FEWEST_STATEMENTS):
+        return "none"
+    return "" if said < FEWEST_STATEMENTS else "all" if low >= SURE else "some"
 
 
 def trusted(results):
-    """Where what is said with confidence is to be believed, by the 90 % interval of the share that is right, in sentences."""
-    later = "; see the note below" if found_by_nature(results) else ""
-    worlds = {"all": [], "none": [], "some": []}  # of the interval: how much of it is as right as it says
-    for world, (right, said, _, _) in sure(results).items():
-        low, high = prove_figures.interval(right, said) or (0.0, 1.0)
-        worlds["all" if low >= SURE else "none" if high < SURE else "some"].append(
-            f"on {WORLDS_IN_WORDS[world]} (*{world}*{later if world == 'solid' else ''})")
-    least, share = f"{100 * SURE:.0f} %", "90 % interval of that share"
-    said = f"Believe such statements {joined(worlds['all'])}:\nthere the {share} is at {least} or above.\n" if worlds["all"] else ""
-    doubts = [f"do not rely on them {joined(worlds['none'])}:\nthere the {share} is below {least}"] if worlds["none"] else []
-    doubts += [f"{joined(worlds['some'])} the figures leave this open: the {share} includes {least}"] if worlds["some"] else []
-    text = ";\n".join(doubts)
-    return said + (text[0].upper() + text[1:] + ".\n" if text else "")
+    """Where what is said with confidence is to be believed, in three sentences at most."""
+    of = {"all": [], "none": [], "some": [], "": []}
+    for group, worlds in groups(results).items():
+        of[trust(worlds)].append(f"on {group}")
+    least, share = f"{100 * SURE:.0f} %", "the 90 % interval of the share that is right"
+    text = f"Believe such statements {joined(of['all'])}:\nthere {share} is at {least} or above.\n" if of["all"] else ""
+    text += f"Do not rely on them {joined(of['none'])}:\nthere {share} is below {least}.\n" if of["none"] else ""
+    some = joined(of["some"])
+    return text + (f"{some[0].upper()}{some[1:]} the figures leave this open:\n{share} includes {least}.\n" if some else "")
 
 
-def summary(results):
-    """What stands first on doc/proof.md: what the page is, and what its figures come to; five sentences at most."""
-    of = sure(results)
-    statements = {whose: tuple(sum(of[world][i] for world in of if (world == "real") == (whose == "real arms")) for i in (0, 1))
-                  for whose in ONE_HIDDEN}
-    named = {whose: counted(results, kinds, "right_class") for whose, kinds in ONE_HIDDEN.items()}
-    text = ("This page reports a blind test of `softarm diagnose`: effects were hidden in simulated trials, known faults were put into recordings of\n"
-            "real arms, and the diagnosis had to name them before the sealed truth was opened.\n")
-    if any(count for _, count in statements.values()):
-        text += f"Where the diagnosis is more than {100 * SURE:.0f} % sure, it is right {parts_of(statements, 'statements')}.\n{trusted(results)}"
+def found_single(results):
+    """How often what is hidden alone is found, by group of worlds: a sentence; empty where nothing is."""
+    counts = {group: counted(results, kinds, "right_class") for group, kinds in ONE_HIDDEN.items()}
+    parts = [f"in {hits} of {count} cases{f' ({100 * hits / count:.0f} %)' if count >= FEWEST_STATEMENTS else ''} on {group}"
+             for group, (hits, count) in counts.items() if count]
+    if not parts:
+        return ""
+    lines = joined(parts, "\n")
+    rest = ":\nwhat it does not name may be there all the same" if any(hits < count for hits, count in counts.values()) else ""
+    return f"The diagnosis finds a single effect or fault that is large enough to be seen\n{lines}{rest}.\n"
+
+
+def summary(results, figures, names):
+    """What stands first on a page: what the page is, and what its figures come to; seven sentences at most."""
+    if any(total(worlds)[1] for worlds in groups(results).values()):
+        said = right_statements(results) + trusted(results)
     else:
-        text += f"The diagnosis is nowhere more than {100 * SURE:.0f} % sure.\n"
-    if any(count for _, count in named.values()):
-        missed = any(hits < count for hits, count in named.values())
-        rest = ":\nwhat it does not name may be there all the same" if missed else ""
-        text += f"The diagnosis finds a single effect or fault that is large enough to be seen {parts_of(named, 'cases')}{rest}.\n"
-    return text
+        said = f"The diagnosis is nowhere more than {100 * SURE:.0f} % sure.\n"
+    return about(figures, names) + said + found_single(results)
 
 
 def found_by_nature(results):

@@ -8,6 +8,7 @@ import tempfile
 import unittest
 
 from prove_score_check import effect, named, report, result, truth  # which puts the scripts on the path
+import prove_figures
 import prove_misses
 import prove_short
 import prove_solid
@@ -90,9 +91,11 @@ class Misses(unittest.TestCase):
         accused = self.missed("untidy_none", truth(), report("explained", named("drift", 0.95)))
         figures = {"full": True, "seed": 1, "engine": "0123456789abcdef"}
         text = prove_misses.story([accused], figures, {"story": "p.md", "misses": {"untidy": "p_misses_untidy.png"}})
-        for words in ("Of the 1 cases of [the proof](p.md), 1 count", "The proof is of all cases; seed 1", "## Untidy: 1 of 1 cases", "(p_misses_untidy.png)", "| case_001 | nothing | explained: drift 0.95 |",
+        for words in ("Of the 1 cases of [the proof](p.md), 1 count", "These pages are of all cases; seed 1", "## Untidy: 1 of 1 cases", "(p_misses_untidy.png)", "| case_001 | nothing | explained: drift 0.95 |",
                       "| **confident and wrong**, **false alarm** |"):
             self.assertIn(words, text)
+        sample = prove_misses.story([accused], {**figures, "full": False}, {"story": "p.md", "misses": {}})
+        self.assertTrue(sample.startswith("# What a sample of the proof missed, and why\n\nOf the 1 cases of [a sample of the proof](p.md)"))
 
     @tree.skip_unless_there(importlib.util.find_spec("matplotlib"), "no matplotlib (Debian package python3-matplotlib)")
     def test_picture(self):
@@ -139,24 +142,82 @@ class Short(unittest.TestCase):
         known = {**truth(distractors=prove_solid.OF_NATURE), "solid": "nothing"}
         self.assertNotIn("measured", prove_short.story([result("solid_none", known, report("unknown", *said[0]))], names))
 
+    @staticmethod
+    def cases(kind, right, wrong):
+        of_solid = {"solid": "x"} if kind.startswith("solid") else {}
+        of_real = ({"set": "trunk", "split": 0, "class": ["creep"], "clear": True, "unexplained_m": 5e-3, "words": "x"} if kind == "intervention"
+                   else {})
+        hidden = {**truth(effect("creep")), **of_solid, **of_real}
+        return ([result(kind, hidden, report("explained", named("creep", 0.95))) for _ in range(right)]
+                + [result(kind, hidden, report("explained", named("shear", 0.95))) for _ in range(wrong)])
+
+    @staticmethod
+    def summary(results, page="p.md", **more):
+        worlds = {world: {} for world, kinds in prove_figures.WORLDS.items() if any(one["kind"] in kinds.values() for one in results)}
+        figures = {"full": False, "draws": len(results), "worlds": worlds, **more}
+        return prove_short.summary(results, figures, {"story": page})
+
     def test_what_stands_first_is_computed(self):
-        def cases(kind, right, wrong):
-            return ([result(kind, truth(effect("creep")), report("explained", named("creep", 0.95))) for _ in range(right)]
-                    + [result(kind, truth(effect("creep")), report("explained", named("shear", 0.95))) for _ in range(wrong)])
-        text = prove_short.summary(cases("single_strong", 40, 0) + cases("untidy_single", 2, 0) + cases("solid_single", 0, 9))
-        self.assertIn("more than 90 % sure, it is right in 42 of 51 statements (82 %) on simulated arms.", text)
-        self.assertIn("Believe such statements on simulated arms whose file is otherwise right (*tidy*):", text)
-        self.assertIn("Do not rely on them on the finite-element arm (*solid*):", text)
-        self.assertIn("on simulated arms with small departures of everything (*untidy*) the figures leave this open", text)
-        self.assertIn("large enough to be seen in 42 of 51 cases (82 %) on simulated arms:\nwhat it does not name may be there", text)
-        self.assertEqual(text.count(".\n"), 5)
-        self.assertNotIn("real arms (*real*)", text)
-        silent = prove_short.summary([result("none", truth(), report("consistent"))])
+        text = self.summary(self.cases("single_strong", 40, 0) + self.cases("untidy_single", 2, 0) + self.cases("solid_single", 0, 10)
+                            + self.cases("intervention", 9, 1))
+        for words in ("\non simulated arms (*tidy* and *untidy*) it is right in 42 of 42 statements (100 %);\n",
+                      "\non the finite-element arm (*solid*) it is right in 0 of 10 statements (0 %);\n",
+                      "\non real arms (*real*) it is right in 9 of 10 statements (90 %).\n",
+                      "Believe such statements on simulated arms:\n", "Do not rely on them on the finite-element arm:\n",
+                      "On real arms the figures leave this open:\n",
+                      "\nin 42 of 42 cases (100 %) on simulated arms,\nin 0 of 10 cases (0 %) on the finite-element arm\nand in 9 of 10 cases (90 %) on "
+                      "real arms:\nwhat it does not name may be there"):
+            self.assertIn(words, text)
+        self.assertEqual(text.count(".\n"), 7)
+        silent = self.summary([result("none", truth(), report("consistent"))])
         self.assertIn("nowhere more than 90 % sure", silent)
         self.assertNotIn("finds", silent)
-        right = prove_short.summary(cases("single_strong", 40, 0))
+        right = self.summary(self.cases("single_strong", 40, 0))
         self.assertNotIn("rely", right)
         self.assertNotIn("may be there", right)
+
+    def test_of_few_statements_no_share_is_told(self):
+        text = self.summary(self.cases("single_strong", 9, 0) + self.cases("solid_single", 1, 0) + self.cases("intervention", 1, 3))
+        for words in ("on simulated arms (*tidy*) there are too few statements to say (9 of 9 right)",
+                      "on the finite-element arm (*solid*) there are too few statements to say (1 of 1 right)",
+                      "on real arms (*real*) there are too few statements to say (1 of 4 right).\n",
+                      "in 9 of 9 cases on simulated arms,\nin 1 of 1 cases on", "Do not rely on them on real arms:\n"):
+            self.assertIn(words, text)
+        for words in ("Believe", "leave this open", "(100 %)", "(25 %)"):
+            self.assertNotIn(words, text)
+        self.assertIn("it is right in 10 of 10 statements (100 %)", self.summary(self.cases("single_strong", 10, 0)))
+        none = self.summary(self.cases("single_strong", 10, 0) + [result("control", truth(), report("consistent"))])
+        self.assertIn("on real arms (*real*) there is no such statement.\n", none)
+
+    def test_no_world_hides_behind_its_group(self):
+        text = self.summary(self.cases("single_strong", 400, 0) + self.cases("untidy_single", 5, 5))
+        self.assertIn("405 of 410 statements (99 %)", text)
+        self.assertIn("Do not rely on them on simulated arms", text)
+        self.assertNotIn("Believe", text)
+
+    def test_a_page_says_of_what_it_is(self):
+        every = {world: {} for world in prove_figures.WORLDS}
+        of_all = {"full": False, "draws": 64, "worlds": every, "campaign": "proof_final, untidy_final, solid, real"}
+        some = {**of_all, "draws": 27, "worlds": {"solid": {}, "real": {}}, "campaign": "solid, real"}
+        for figures, title in (({**of_all, "full": True}, "The proof of `softarm diagnose`"), (of_all, "A sample of the proof: 64 cases"),
+                               (some, "A sample of the proof: 27 cases of real and finite-element arms"),
+                               ({**some, "full": True}, "A part of the proof: 27 cases of real and finite-element arms"),
+                               ({**of_all, "so_far": 733}, "The proof so far: 64 of 733 cases"),
+                               ({**some, "worlds": {"untidy": {}}, "draws": 1, "campaign": "untidy_final"},
+                                "A sample of the proof: 1 case of untidy simulated arms"),
+                               ({**some, "worlds": {"tidy": {}, "untidy": {}, "real": {}}, "campaign": "proof_final, untidy_final, real"},
+                                "A sample of the proof: 27 cases of simulated and real arms"),
+                               ({**some, "worlds": {"tidy": {}}, "campaign": "proof_development"}, "The campaign `proof_development`: 27 cases")):
+            self.assertEqual(prove_short.title(figures), title)
+        links = {"story": "p.md"}
+        second = prove_short.about(of_all, links).split(".\n")[1]
+        self.assertEqual(second, "It is a sample: so few cases say little, and [the whole proof](proof.md) has many more")
+        self.assertIn("and the whole proof has many more", prove_short.about(of_all, {"story": "proof.md"}))
+        self.assertIn("no more than a part of [the whole proof](proof.md)", prove_short.about({**of_all, "so_far": 733}, links))
+        self.assertIn("other cases than those of [the whole proof](proof.md)", prove_short.about({**of_all, "campaign": "x"}, links))
+        self.assertNotIn("whole", prove_short.about({**of_all, "full": True}, {"story": "proof.md"}))
+        self.assertIn("by 27 cases:\neffects were hidden in trials of a finite-element arm, known faults were put into recordings of real arms,\nand", prove_short.about(some, links))
+        self.assertNotIn("real arms", prove_short.about({**some, "worlds": {"tidy": {}}}, links))
 
 
 if __name__ == "__main__":

@@ -332,7 +332,7 @@ class Scores(unittest.TestCase):
         figures.update({"campaign": "real", "seed": 1, "full": False, "truth_sha256": "a", "engine": "b"})
         names = {"story": "p.md", "trials_page": "t.md", "misses_page": "m.md", "misses": {}}
         text = prove_report.story(results, figures, names) + prove_report.trials(results, figures, names)
-        for words in ("| clock shifted | 1 | 1 | 1 |", "class: clock_offset", "leaves 2.00 mm (the untouched recordings 5.00 mm)", "trunk, 1: untouched", "intervention: right_class"):
+        for words in ("| clock shifted | 1 | 1 | 1 |", "class: clock_offset", "leaves 2.00 mm (the untouched recordings 5.00 mm)", "trunk, 1: untouched", "intervention: right_class", "A name such as `intervention: top1` is a kind"):
             self.assertIn(words, text)
         self.assertEqual(prove_real_report.story([results[1]]), "")
         self.assertEqual([outcome for *_, outcome in prove_real_report.interventions(results)], ["found"])

@@ -289,6 +289,8 @@ class Story(unittest.TestCase):
         text = prove_report.story(results, figures, names) + prove_report.trials(results, figures, names)
         for words in ("drift 0.99", "confident_wrong", "not drawn: the arm / flies", "CONTRADICTED", "`bic` 0 to 1", "`abc`", "creep 0.70", "256 MiB"):
             self.assertIn(words, text)
+        self.assertIn("such as `single_strong: top1` is a kind of case and a rate:\n[what was measured, and how](#what-was-measured-and-how)", text)
+        self.assertIn("\n## What was measured, and how\n", text)
         self.assertIn("single_strong: top1", prove_report.table(figures))
         self.assertFalse(prove_report.passes(figures))
         self.assertEqual(figures["draws"], 2)
@@ -302,6 +304,15 @@ class Story(unittest.TestCase):
         self.assertEqual(prove_figures.figures(results + [lost])["rejected_draws"], 5)
         self.assertTrue(prove_report.passes(figures))
         self.assertFalse(prove_report.passes({**figures, "full": True}))  # one case meets nothing
+
+    def test_rejected_draws_are_told_without_the_numbers_that_differ(self):
+        results = [result("single_strong", truth(effect("creep")), report("consistent"))]
+        results[0]["truth"]["rejected"] = ["creep does not come to its size: 1.5", "it flies away", "creep does not come to its size: 2e-3",
+                                           "creep does not come to its size", "no_load_2 is short"]
+        figures = prove_figures.figures(results)
+        self.assertEqual(figures["rejected_reasons"]["creep does not come to its size: #"], 2)
+        self.assertIn("5 draws were rejected before the seal (creep does not come to its size, 3 times; it flies away, once; no_load_# is short, once).",
+                      prove_report.rejected(figures))
 
 
 class Targets(unittest.TestCase):

@@ -85,7 +85,7 @@ class Course(unittest.TestCase):
             self.assertIn("12 draws do not do, the last: it flies away", text.read())
         for page in ("(proof_trials.md)", "(proof_misses.md)"):
             self.assertIn(page, story)
-        self.assertIn("12 draws were rejected before the seal (not told: 11; it flies away: 1). 1 case could not be drawn. 0 diagnoses failed.", story)
+        self.assertIn("12 draws were rejected before the seal (not told, 11 times; it flies away, once). 1 case could not be drawn. 0 diagnoses failed.", story)
         self.assertEqual(figures["rejected_draws"], 12)
         failed, = (name for name in os.listdir(self.path("out/truth")) if name.endswith(".failed"))
         with open(self.path("out/truth", failed), encoding="utf-8") as text:
