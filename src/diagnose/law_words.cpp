@@ -134,8 +134,10 @@ Form form_of(const arm::Arm& arm, const model::Values& values) {
 
 /// Puts in the equation, its letters and its source; sizes and range are there.
 void write_equation(const Form& form, LawTerm& term) {
-  const double x = 1e3 * term.x_nm.value, y = 1e3 * term.y_nm.value;
+  double x = 1e3 * term.x_nm.value, y = 1e3 * term.y_nm.value;
   const int digits = digits_of(std::hypot(x, y));
+  for (double* size : {&x, &y})  // what rounds to nothing has no sign
+    *size = std::round(*size * std::pow(10.0, digits)) / std::pow(10.0, digits) + 0.0;
   term.law = term.has_direction ? fmt::format("M = ({:.{}f} {} {} {:.{}f} R {}) mN m", x, digits, form.z,
                                               y < 0.0 ? "-" : "+", std::abs(y), digits, form.z)
                                 : fmt::format("M = ({:.{}f}, {:.{}f}) mN m {}", x, digits, y, digits, form.z);

@@ -84,7 +84,7 @@ std::vector<HiddenEffect> outside_effects() {
        false,
        "a coupling along the arm has clearance: it turns freely so far, then holds",
        {},
-       {{"play_deg", 0.0, 30.0, 0.3, 1.2, "how far it turns to every side"},
+       {{"play_deg", 0.0, 30.0, 0.3, 1.2, "how far it turns in every direction"},
         {"fraction", 0.05, 0.95, 0.3, 0.7, "where it is, of the arm's length"}},
        joint_play},
   };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "arm_chain.h"
 #include "assignment.h"
@@ -252,6 +253,13 @@ void PointAssociator::follow(Instant& instant) {
   cost.rightCols(count).diagonal().setConstant(square(limits_.gate_sds));
   const std::vector<int> best = cheapest_assignment(cost);
   const double least = total_cost(cost, best);
+  const auto least_without = [&cost](Eigen::Index row, Eigen::Index column) {
+    double own = kForbidden;
+    std::swap(cost(row, column), own);
+    const double total = total_cost(cost, cheapest_assignment(cost));
+    std::swap(cost(row, column), own);
+    return total;
+  };
   for (Eigen::Index row = 0; row < count; ++row) {
     const int column = best[static_cast<std::size_t>(row)];
     const auto at = static_cast<std::size_t>(row);
@@ -261,13 +269,9 @@ void PointAssociator::follow(Instant& instant) {
     if (column >= places) continue;
     const auto in_gate = [&](const auto& costs) { return (costs.array() < kForbidden).count(); };
     const bool contested = in_gate(cost.row(row).head(places)) > 1 || in_gate(cost.col(column)) > 1;
-    if (contested) {
-      Eigen::MatrixXd otherwise = cost;
-      otherwise(row, column) = kForbidden;
-      if (total_cost(otherwise, cheapest_assignment(otherwise)) - least < limits_.ambiguity) {
-        if (is_body) outcomes_[rows[at]] = Outcome::kAmbiguous;
-        continue;
-      }
+    if (contested && least_without(row, column) - least < limits_.ambiguity) {
+      if (is_body) outcomes_[rows[at]] = Outcome::kAmbiguous;
+      continue;
     }
     choice = column;
     if (is_body) outcomes_[rows[at]] = Outcome::kFollowed;

@@ -90,6 +90,8 @@ TEST_F(LawWords, ATermIsAnEquation) {
   EXPECT_EQ(law_of(values),
             "M = (3.00 k - 4.00 R k) mN m / (8.00 1/m) (2 s / L - 1); k: the curvature; R: a quarter turn "
             "about the arm's axis");
+  values[LearnedMoment::kY] = -4e-6;  // of nothing it is no minus
+  EXPECT_EQ(law_of(values).rfind("M = (3.00 k + 0.00 R k) mN m", 0), 0u) << law_of(values);
 }
 
 /// Of every input of every kind of arm, so that the page makes a link of it.
