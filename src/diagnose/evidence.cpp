@@ -266,4 +266,30 @@ Marginal LinearGaussianModel::evaluate(const EffectList& present, double backgro
   return marginal;
 }
 
+VectorXd LinearGaussianModel::log_by_instant(const Marginal& marginal, const Bases& bases) const {
+  const Index n = turned_[0].residual.rows();
+  VectorXd log = VectorXd::Zero(n);
+  for (std::size_t kernel = 0; kernel < turned_.size(); ++kernel) {
+    const InBasis& turned = turned_[kernel];
+    std::vector<std::size_t> own;
+    for (std::size_t d = 0; d < marginal.noise.size(); ++d)
+      if (marginal.noise[d].kernel == kernel) own.push_back(d);
+    if (own.empty()) continue;
+    MatrixXd left(n, own.size()), over_variance(n, own.size());
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      const DirectionNoise& noise = marginal.noise[own[i]];
+      const auto column = static_cast<Index>(i);
+      const Eigen::ArrayXd variance =
+          noise.variance * ((1.0 - noise.share) + noise.share * turned.eigenvalues.array());
+      left.col(column) =
+          turned.residual.col(static_cast<Index>(own[i])) - turned.signatures[own[i]] * marginal.coefficients;
+      over_variance.col(column) = left.col(column).array() / variance;
+      log.array() -= 0.5 * variance.log().mean();
+    }
+    const MatrixXd& vectors = bases.kernels[kernel].vectors;
+    log -= 0.5 * (vectors * left).cwiseProduct(vectors * over_variance).rowwise().sum();
+  }
+  return log;
+}
+
 }  // namespace softarm::diagnose

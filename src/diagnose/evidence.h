@@ -80,6 +80,10 @@ class LinearGaussianModel {
   /// EvidenceData::done
   Gaussian estimate(const NormalEquations& sums, const EffectList& present, double background,
                     std::optional<std::size_t> on_its_law = {}) const;
+  /// Log likelihood of each instant at the most probable coefficients, but for the 2 pi; with correlated
+  /// noise what it has of the whole.
+  /// @param bases that the model was made with
+  Eigen::VectorXd log_by_instant(const Marginal& marginal, const Bases& bases) const;
   const EffectList& effects() const { return each_; }
 
  private:

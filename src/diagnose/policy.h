@@ -120,6 +120,8 @@ struct Policy {
     double least_white = 0.3;         ///< of the stated variance, at least: by more nobody overstates a noise
     std::size_t most_instants = 300;  ///< or groups of neighbouring ones: the cost goes with its square
     long fewest_instants = 20;        ///< with fewer nothing is said
+    /// Into which the recordings are resampled, trial by trial: fewer trials are cut into equal pieces.
+    std::size_t fewest_units = 6;
     std::size_t most_effects = 3, leaders = 5, grown_from = 2;  ///< of the search for sets, upon one fit
     double beside = 8.0;  ///< fall of the log evidence beyond which a background is not looked at
   } posterior;

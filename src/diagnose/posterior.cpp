@@ -10,6 +10,7 @@
 #include "evidence.h"
 #include "math/parallel.h"
 #include "policy.h"
+#include "resamples.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -63,6 +64,7 @@ class Expansions {
     return list;
   }
   const LinearGaussianModel& model(std::size_t number) const { return *models_[number]; }
+  const Bases& bases() const { return bases_; }
   std::size_t count() const { return models_.size(); }
   /// Those of a set that such a model does not have among its unknowns.
   EffectList beside(std::size_t number, EffectList set) const {
@@ -102,6 +104,8 @@ class Search {
     EffectList effects;
     double background = 0.0, log = 0.0;  ///< log: with the odds of its effects
     Marginal marginal;
+    std::size_t about = 0;     ///< which fit, by Expansions' number
+    double probability = 0.0;  ///< averaged over resamples of the trials
   };
 
   /// Evaluates these sets in parallel, from a noise near theirs.
@@ -112,7 +116,9 @@ class Search {
       for (const std::size_t number : about_.of(m.effects)) {
         Marginal marginal =
             about_.model(number).evaluate(about_.beside(number, m.effects), m.background, noise);
-        if (marginal.log > m.marginal.log) m.marginal = std::move(marginal);
+        if (!(marginal.log > m.marginal.log)) continue;
+        m.marginal = std::move(marginal);
+        m.about = number;
       }
       m.log = m.marginal.log + before_data(m.effects);
     });
@@ -144,13 +150,32 @@ class Search {
         for (const std::size_t number : about_.of(sets[i]))
           log = std::max(log, about_.model(number).integrate(sums[number], about_.beside(number, sets[i]),
                                                              background, unused));
-        list[i * kBackgrounds + b] = {sets[i], background, log + before_data(sets[i]), {}};
+        list[i * kBackgrounds + b] = {sets[i], background, log + before_data(sets[i]), {}, 0, 0.0};
       }
     });
     return list;
   }
 
   const std::vector<Model>& models() const { return models_; }
+  /// How probable each is.
+  /// @param unit of each instant
+  void weigh(const std::vector<std::size_t>& unit) {
+    const auto count = static_cast<Eigen::Index>(models_.size());
+    Eigen::VectorXd log(count);
+    Eigen::MatrixXd by_unit = Eigen::MatrixXd::Zero(
+        static_cast<Eigen::Index>(1 + *std::max_element(unit.begin(), unit.end())), count);
+    math::in_parallel(models_.size(), jobs_, [&](std::size_t i) {
+      const Model& m = models_[i];
+      const auto column = static_cast<Eigen::Index>(i);
+      log[column] = m.log;
+      const Eigen::VectorXd by_instant = about_.model(m.about).log_by_instant(m.marginal, about_.bases());
+      for (std::size_t k = 0; k < unit.size(); ++k)
+        by_unit(static_cast<Eigen::Index>(unit[k]), column) += by_instant[static_cast<Eigen::Index>(k)];
+    });
+    const Eigen::VectorXd probability = averaged_over_resamples(log, by_unit);
+    for (std::size_t i = 0; i < models_.size(); ++i)
+      models_[i].probability = probability[static_cast<Eigen::Index>(i)];
+  }
   bool has(const Model& m) const {
     return std::any_of(models_.begin(), models_.end(), [&](const Model& o) {
       return o.effects == m.effects && o.background == m.background;
@@ -191,23 +216,16 @@ class Search {
 };
 
 Posterior summed(const std::vector<Search::Model>& models) {
-  double best = -1e300;
-  for (const Search::Model& m : models) best = std::max(best, m.log);
   Posterior result;
-  double sum = 0.0;
   for (const Search::Model& m : models) {
-    const double weight = std::exp(m.log - best);
-    sum += weight;
-    result.background += weight * m.background;
+    result.background += m.probability * m.background;
     const auto same = std::find_if(result.sets.begin(), result.sets.end(),
                                    [&](const EffectSet& s) { return s.effects == m.effects; });
     if (same == result.sets.end())
-      result.sets.push_back({m.effects, weight});
+      result.sets.push_back({m.effects, m.probability});
     else
-      same->probability += weight;
+      same->probability += m.probability;
   }
-  for (EffectSet& set : result.sets) set.probability /= sum;
-  result.background /= sum;
   std::stable_sort(result.sets.begin(), result.sets.end(),
                    [](const EffectSet& a, const EffectSet& b) { return a.probability > b.probability; });
   return result;
@@ -240,15 +258,15 @@ class Mixture {
 void add_unknowns(const Expansions& about, const std::vector<Search::Model>& models, const EvidenceData& data,
                   Posterior& result) {
   const auto is_about_the_fit = [&](const Search::Model& m) { return about.of(m.effects).front() == 0; };
-  double best = -1e300;
+  double best = 0.0;
   for (const Search::Model& m : models)
-    if (is_about_the_fit(m)) best = std::max(best, m.log);
+    if (is_about_the_fit(m)) best = std::max(best, m.probability);
   const auto unknowns = static_cast<Eigen::Index>(data.unknowns.size());
   Mixture all(unknowns);
   std::vector<Mixture> on_its_law(data.done.size(), Mixture(unknowns));
   for (const Search::Model& m : models) {
-    const double weight = std::exp(m.log - best);
-    if (!is_about_the_fit(m) || weight < kLeastWeight) continue;
+    const double weight = m.probability;
+    if (!is_about_the_fit(m) || !(weight > kLeastWeight * best)) continue;
     const LinearGaussianModel& linear = about.model(0);
     const NormalEquations sums = linear.normal_equations(m.marginal.noise);
     all.add(weight, linear.estimate(sums, m.effects, m.background));
@@ -290,7 +308,8 @@ Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& 
   const Expansions about(data, refits, jobs);
   Search search(about, distinguishable(data), jobs);
   std::vector<Search::Model> none;
-  for (const double background : kPolicy.posterior.background) none.push_back({{}, background, 0.0, {}});
+  for (const double background : kPolicy.posterior.background)
+    none.push_back({{}, background, 0.0, {}, 0, 0.0});
   search.evaluate(std::move(none), {});
   for (std::size_t size = 0; size < kPolicy.posterior.most_effects; ++size) {
     for (const Search::Model& from : search.best(size, size == 0 ? 1 : kPolicy.posterior.grown_from)) {
@@ -307,6 +326,7 @@ Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& 
     }
   }
   if (search.models().empty()) return {};
+  search.weigh(resampled_units(data.trial));
   Posterior result = summed(search.models());
   add_unknowns(about, search.models(), data, result);
   return result;

@@ -4,21 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include "evidence_data.h"
 #include "floor.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
 #include "ranges.h"
+#include "resamples.h"
 
 namespace softarm::diagnose {
 namespace {
 
 using model::Present;
 
-constexpr int kBootstraps = 500;  // a probability to two percent
-constexpr std::uint64_t kBootstrapSeed = 1;
 constexpr int kRefitIterations = 4, kDropIterations = 3, kFinishIterations = 8, kLastIterations = 1;
 constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
 
@@ -104,16 +102,11 @@ void fit_from(JointModel& model, const JointParameters& from,
 /// bootstrap of the trials (Rubin 1981). What rests on one trial of many is not there in all of them. By
 /// plain errors: Huber's weights would take what acts seldom, a wall or a core that slips, for outliers.
 double gains_elsewhere(const Unseen& without, const Unseen& with) {
-  std::mt19937_64 random(kBootstrapSeed);
-  std::exponential_distribution<double> exponential;
-  int gains = 0;
-  for (int n = 0; n < kBootstraps; ++n) {
-    double sum = 0.0;
-    for (std::size_t t = 0; t < with.rms_m.size(); ++t)
-      sum += exponential(random) * (std::pow(without.rms_m[t], 2) - std::pow(with.rms_m[t], 2));
-    gains += sum > 0.0;
-  }
-  return static_cast<double>(gains) / kBootstraps;
+  const Eigen::MatrixXd weights = bootstrap_weights(with.rms_m.size());
+  Eigen::VectorXd gain(weights.rows());
+  for (std::size_t t = 0; t < with.rms_m.size(); ++t)
+    gain[static_cast<Eigen::Index>(t)] = std::pow(without.rms_m[t], 2) - std::pow(with.rms_m[t], 2);
+  return ((gain.transpose() * weights).array() > 0.0).cast<double>().mean();
 }
 
 /// Evidence about a fit. Of the candidates only those are looked at that are new, or have other values than
