@@ -2,7 +2,8 @@
 // Sprekels, Hysteresis and Phase Transitions, 1996). Between what is commanded and what acts,
 //   acting = u - share (u - plays of u),
 // or in the material, between curvature and moment, M = EI (u + share (u - plays of u)), the plays those of
-// vectors. A cycle wide against the loop has branches that lie share times its width apart.
+// vectors. A cycle wide against the loop has branches that lie share times its width apart. Walls have it
+// under every input; in one chamber alone it is its valve that sticks.
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -19,6 +20,7 @@ constexpr int kPlays = 5;
 constexpr double kRadii[kPlays] = {0.1, 0.3, 0.5, 0.7, 0.9};  // of the width, equally weighted
 // The same share of these as the width is of kReferencePa.
 constexpr double kReference_n = 4.0, kReference_rad = 0.6, kReference_per_m = 20.0;
+constexpr int kChamber = 3;  // parameter `chamber`
 
 /// Where the loop is: the parameter `of`.
 enum class Of { kPressures = 0, kMaterial = 1, kTensions = 2, kAngles = 3 };
@@ -30,16 +32,22 @@ Of of(const Values& values) {
 class Hysteresis : public Described {
  public:
   using Described::Described;
+  bool has_parameter(const arm::Arm& arm, int parameter) const override {
+    return parameter != kChamber || has(arm, arm::InputKind::kPressure);
+  }
   std::vector<Values> grid(const arm::Arm& arm, const FineRod&) const override {
     std::vector<Values> list;
-    const auto add = [&](Of where, std::initializer_list<double> widths_pa) {
+    const auto add = [&](Of where, double chamber, std::initializer_list<double> widths_pa) {
       for (const double width_pa : widths_pa)
-        list.push_back(Eigen::Vector3d(0.0, width_pa, static_cast<double>(where)));
+        list.push_back(Eigen::Vector4d(0.0, width_pa, static_cast<double>(where), chamber));
     };
-    if (has(arm, arm::InputKind::kPressure)) add(Of::kPressures, {700.0, 2000.0, 6000.0});
-    if (has(arm, arm::InputKind::kTension)) add(Of::kTensions, {700.0, 2000.0, 6000.0});
-    if (has(arm, arm::InputKind::kAngle)) add(Of::kAngles, {700.0, 2000.0, 6000.0});
-    add(Of::kMaterial, {800.0, 2000.0, 5000.0});
+    const Rows pressures = rows_of(arm, arm::InputKind::kPressure);
+    if (!pressures.empty())
+      for (const double chamber : chamber_numbers(arm, pressures))
+        add(Of::kPressures, chamber, {700.0, 2000.0, 6000.0});
+    if (has(arm, arm::InputKind::kTension)) add(Of::kTensions, 0.0, {700.0, 2000.0, 6000.0});
+    if (has(arm, arm::InputKind::kAngle)) add(Of::kAngles, 0.0, {700.0, 2000.0, 6000.0});
+    add(Of::kMaterial, 0.0, {800.0, 2000.0, 5000.0});
     return list;
   }
 
@@ -53,7 +61,7 @@ class Hysteresis : public Described {
       for (StartNumber& number : numbers) number.unit = "1";
       return numbers;
     }
-    for (const Eigen::Index row : rows_of(arm, kind_of(where)))
+    for (const Eigen::Index row : looping_rows(arm, values))
       numbers.push_back({arm.inputs.scalars[static_cast<std::size_t>(row)].name, "1", kAnywhere});
     return numbers;
   }
@@ -83,7 +91,7 @@ class Hysteresis : public Described {
                              : where == Of::kAngles ? kReference_rad
                                                     : kReferencePa;
     Eigen::Index number = 0;
-    for (const Eigen::Index row : rows_of(arm, kind_of(where))) {
+    for (const Eigen::Index row : looping_rows(arm, values)) {
       const double start = series.start.size() > 0 ? kAnywhere * series.start[number++] : 0.0;
       loop(values[0], values[1] / kReferencePa * reference, start, series.inputs.row(row));
       loop(values[0], values[1] / kReferencePa * reference, start, series.moment_inputs.row(row));
@@ -151,6 +159,13 @@ class Hysteresis : public Described {
                                   : arm::InputKind::kPressure;
   }
 
+  /// The inputs that have the loop.
+  static Rows looping_rows(const arm::Arm& arm, const Values& values) {
+    const Of where = of(values);
+    const Rows rows = rows_of(arm, kind_of(where));
+    return where == Of::kPressures ? rows_of_chamber(arm, rows, values[kChamber]) : rows;
+  }
+
   /// @param start how far it is strained, as a share of its width, before anything moved
   static void loop(double share, double width, double start,
                    Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>> row) {
@@ -176,7 +191,8 @@ std::unique_ptr<Effect> make_hysteresis() {
       "hysteresis",
       "up and down differ: the arm lags behind its inputs by a loop that is the same at every speed, as from "
       "friction in the wall or valves that stick",
-      "acting = u - share (u - P[u]), or M = EI (u + share (u - P[u])); P: mean of plays of graded radii",
+      "acting = u - share (u - P[u]), u all inputs of a kind or one chamber's; or M = EI (u + share (u - "
+      "P[u])); P: mean of plays of graded radii",
       "operator of Prandtl and Ishlinskii; M. Brokate, J. Sprekels, Hysteresis and Phase Transitions, 1996, "
       "doi:10.1007/978-1-4612-4048-8",
       Family::kMemory,
@@ -185,7 +201,8 @@ std::unique_ptr<Effect> make_hysteresis() {
         "width of the loop; 1 kPa stands for 0.4 / m of curvature, 80 mN of tension, 12 mrad of angle", 50.0,
         50e3, 2500.0},
        {"of", "1", "what has the loop (0: pressures, 1: the material's curvature, 2: tensions, 3: angles)",
-        0.0, 3.0, 0.0, true}},
+        0.0, 3.0, 0.0, true},
+       chamber_parameter()},
       1,
       {"creep", "pressure_lag", "clock_offset"},
       {"moment_gain"}});

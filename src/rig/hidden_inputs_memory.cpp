@@ -18,6 +18,7 @@ void hysteresis(const HiddenChoice& choice, Scenario& scenario) {
     throw std::invalid_argument("given twice");
   spec.hysteresis =
       choice.form == "bouc_wen" ? InputPathSpec::Hysteresis::kBoucWen : InputPathSpec::Hysteresis::kPlay;
+  spec.pressure_play_chamber = chamber_index(choice, scenario);
   spec.pressure_play_pa = choice.values.at("loop_pa");
   spec.tension_play_n = choice.values.at("loop_n");
   spec.angle_play_rad = choice.values.at("loop_rad");
@@ -64,16 +65,17 @@ std::vector<HiddenEffect> memory_effects() {
   return {
       {"hysteresis",
        true,
-       "rate-independent loop between what is commanded and what acts in the arm (play, bouc_wen), or "
-       "between curvature and moment of every section (material, by Bouc and Wen); the width of the loop is "
-       "that in a much wider cycle",
+       "rate-independent loop between what is commanded and what acts in the arm (play, bouc_wen), of all "
+       "inputs or of one pressure, whose valve sticks; or between curvature and moment of every section "
+       "(material, by Bouc and Wen); the width of the loop is that in a much wider cycle",
        {"play", "bouc_wen", "material"},
        {{"loop_pa", 0.0, 1e6, 500.0, 5000.0, "width of the loop in the pressures", 0.0},
         {"loop_n", 0.0, 1e4, 0.05, 0.5, "width of the loop in the tensions", 0.0},
         {"loop_rad", 0.0, 1e3, 0.01, 0.1, "width of the loop in the servos' angles", 0.0},
         {"loop_per_m", 0.0, 100.0, 0.1, 0.6, "material: width of the loop in the curvature", 0.3},
         {"yield_per_m", 1e-2, 100.0, 0.3, 2.0, "material: change of curvature after which the loop turns",
-         1.0}},
+         1.0},
+        all_or_one_chamber({"play", "bouc_wen"})},
        hysteresis},
       {"axial_memory",
        true,

@@ -4,6 +4,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hidden.h"
@@ -30,9 +31,9 @@ inline HiddenParameter chamber_number() {
   return {"chamber", 0.0, 16.0, 1.0, 3.0, "number of the chamber; 0: all", 0.0, true};
 }
 
-/// The same of what all may have as well.
-inline HiddenParameter all_or_one_chamber() {
-  return {"chamber", 0.0, 16.0, 0.0, 3.0, "number of the chamber; 0: all", 0.0, true};
+/// The same of what all may have as well. @param of_forms none: all forms of the effect
+inline HiddenParameter all_or_one_chamber(std::vector<std::string> of_forms = {}) {
+  return {"chamber", 0.0, 16.0, 0.0, 3.0, "number of the chamber; 0: all", 0.0, true, std::move(of_forms)};
 }
 
 /// The chamber of a choice as the rig numbers it, from 0; -1: all.

@@ -46,12 +46,14 @@ class BoucWenHysteresis {
 /// The hysteresis of several inputs of one kind.
 class Hysteresis {
  public:
-  Hysteresis(InputPathSpec::Hysteresis form, double width, const std::vector<double>& start) {
-    for (double value : start) {
+  /// @param only the input that has it, from 0; -1: all
+  Hysteresis(InputPathSpec::Hysteresis form, double width, const std::vector<double>& start, int only = -1) {
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      const double own = only < 0 || static_cast<std::size_t>(only) == i ? width : 0.0;
       if (form == InputPathSpec::Hysteresis::kPlay)
-        channels_.emplace_back(PlayHysteresis(width, value));
+        channels_.emplace_back(PlayHysteresis(own, start[i]));
       else
-        channels_.emplace_back(BoucWenHysteresis(width, value));
+        channels_.emplace_back(BoucWenHysteresis(own, start[i]));
     }
   }
 

@@ -75,7 +75,8 @@ struct InputPath::Impl {
         session_s(scenario.session_s),
         segments(scenario.arm.segments.size()),
         stages(pressure_stages(scenario)),
-        pressures(spec.hysteresis, spec.pressure_play_pa, settle(stages, start.pressures_pa)),
+        pressures(spec.hysteresis, spec.pressure_play_pa, settle(stages, start.pressures_pa),
+                  spec.pressure_play_chamber),
         tensions(spec.hysteresis, spec.tension_play_n, start.tensions_n),
         angles(spec.hysteresis, spec.angle_play_rad, start.angles_rad) {
     if (spec.jamming_settling) jamming.emplace(*spec.jamming_settling, start.vacuum_pa);

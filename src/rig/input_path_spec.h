@@ -109,6 +109,7 @@ struct InputPathSpec {
   /// Rate-independent hysteresis between an input and what acts in the arm: the width of the loop, in the
   /// input's unit, of a cycle that is wide against it.
   double pressure_play_pa = 0.0, tension_play_n = 0.0, angle_play_rad = 0.0;
+  int pressure_play_chamber = -1;  ///< that alone has it, from 0: its valve sticks; -1: all
   enum class Hysteresis { kPlay, kBoucWen };
   Hysteresis hysteresis = Hysteresis::kPlay;
 

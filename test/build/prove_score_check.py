@@ -189,6 +189,9 @@ class Figures(unittest.TestCase):
         self.assertTrue(score.right(said_of(3.0, "clock_offset")["effects"][0], hidden))
         # Of a record of before it could be one chamber's.
         self.assertTrue(score.right(said_of(3.0)["effects"][0], truth(effect("pressure_lag", {}, "first_order"))))
+        sticks = named("hysteresis", parameters={"chamber": {"value": 3.0, "low": 3.0, "high": 3.0, "unit": "1"}})
+        for values, form, right in (({"chamber": 3.0}, "play", True), ({"chamber": 1.0}, "play", False), ({}, "material", True)):
+            self.assertEqual(score.right(sticks, truth(effect("hysteresis", values, form))), right, form)
 
     def test_ranks(self):
         hidden = truth(distractors=[effect("base_compliance", {"stiffness_nm_per_rad": 5.0})])

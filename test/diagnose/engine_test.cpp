@@ -211,7 +211,8 @@ INSTANTIATE_TEST_SUITE_P(
         OneChamber{{"pressure_lag",
                     "choked",
                     {{"time_constant_s", 0.3}, {"vent_time_constant_s", 0.4}, {"chamber", 3.0}}},
-                   3.0}),
+                   3.0},
+        OneChamber{{"hysteresis", "bouc_wen", {{"loop_pa", 4e3}, {"chamber", 1.0}}}, 1.0}),
     [](const auto& fault) { return fault.param.hidden.effect; });
 
 /// A fit to poses that come late finds a lag; that is no motion for the sake of which trials are left out.

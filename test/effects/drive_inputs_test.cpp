@@ -1,6 +1,8 @@
 // Effects on inputs look as the catalogue describes them.
 #include <random>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "drive_trials.h"
 
@@ -44,22 +46,60 @@ Loop pressure_loop(const std::string& id, const model::Values& values, double pe
 
 TEST(Hysteresis, IsTheSameLoopAtEverySpeedAndOfItsWidth) {
   for (const double period_s : {2.0, 6.0, 20.0}) {
-    const Loop loop = pressure_loop("hysteresis", Eigen::Vector3d(1.0, 2500.0, 0.0), period_s);
+    const Loop loop = pressure_loop("hysteresis", Eigen::Vector4d(1.0, 2500.0, 0.0, 0.0), period_s);
     EXPECT_NEAR(loop.width, 2500.0, 5.0) << period_s;
     EXPECT_NEAR(loop.mean, 15e3, 5.0) << period_s;
-    EXPECT_NEAR(pressure_loop("hysteresis", Eigen::Vector3d(0.3, 2500.0, 0.0), period_s).width, 750.0, 2.0);
+    EXPECT_NEAR(pressure_loop("hysteresis", Eigen::Vector4d(0.3, 2500.0, 0.0, 0.0), period_s).width, 750.0,
+                2.0);
   }
 }
 
 TEST(Hysteresis, OfPressuresLeavesTheVacuumAndOfTensionsHasItsOwnUnit) {
   const model::TrialData trial = made_up(arm(), 6.0, triangles(arm(), kVacuum, 60e3, 5.0));
-  const model::Series series = driven("hysteresis", Eigen::Vector3d(1.0, 2500.0, 0.0), trial);
+  const model::Series series = driven("hysteresis", Eigen::Vector4d(1.0, 2500.0, 0.0, 0.0), trial);
   EXPECT_EQ(series.inputs, trial.series.inputs);
   const arm::Arm with_tendons = tendon_arm();
   const model::TrialData pulled = made_up(with_tendons, 21.0, triangles(with_tendons, 0, 6.0, 5.0));
   model::Series tensions = pulled.series;
-  find("hysteresis")->drive(with_tendons, Eigen::Vector3d(1.0, 2500.0, 2.0), tensions);
+  find("hysteresis")->drive(with_tendons, Eigen::Vector4d(1.0, 2500.0, 2.0, 0.0), tensions);
   EXPECT_NEAR(loop_at(pulled.series.inputs.row(0), tensions.moment_inputs.row(0), 3.0).width, 0.2, 0.002);
+}
+
+TEST(Hysteresis, OfOneChamberLeavesTheOthers) {
+  const model::TrialData trial = made_up(arm(), 9.0, [](double t_s) {
+    const double p = 15e3 - 15e3 * std::cos(t_s);
+    return Eigen::Vector4d(p, p, p, 6e4);
+  });
+  const Eigen::Vector4d of_all(1.0, 2500.0, 0.0, 0.0), of_second(1.0, 2500.0, 0.0, 2.0);
+  const model::Series all = driven("hysteresis", of_all, trial),
+                      second = driven("hysteresis", of_second, trial);
+  EXPECT_GT((second.inputs.row(1) - trial.series.inputs.row(1)).cwiseAbs().maxCoeff(), 1.2e3);
+  EXPECT_EQ(second.inputs.row(1), all.inputs.row(1));
+  EXPECT_EQ(second.moment_inputs.row(1), all.moment_inputs.row(1));
+  for (const Eigen::Index row : {0, 2, 3}) {
+    EXPECT_EQ(second.inputs.row(row), trial.series.inputs.row(row)) << row;
+    EXPECT_EQ(second.moment_inputs.row(row), trial.series.moment_inputs.row(row)) << row;
+  }
+  // Nor does it begin with the loops of the others.
+  EXPECT_EQ(find("hysteresis")->starts(arm(), of_all).size(), 3u);
+  const std::vector<model::StartNumber> starts = find("hysteresis")->starts(arm(), of_second);
+  ASSERT_EQ(starts.size(), 1u);
+  EXPECT_EQ(starts[0].name, arm().inputs.scalars[1].name);
+}
+
+TEST(Hysteresis, IsLookedForInAllChambersInEachAndInTheMaterial) {
+  model::ExtendedModel model(arm());
+  const model::Effect& loop = *find("hysteresis");
+  std::set<std::pair<double, double>> places;
+  for (const model::Values& values : loop.grid(arm(), model.rod())) places.emplace(values[2], values[3]);
+  EXPECT_EQ(places, (std::set<std::pair<double, double>>{
+                        {0.0, 0.0}, {0.0, 1.0}, {0.0, 2.0}, {0.0, 3.0}, {1.0, 0.0}}));
+  EXPECT_TRUE(loop.has_parameter(arm(), 3));
+  // Without pressures there is no chamber to number.
+  const arm::Arm with_tendons = tendon_arm();
+  model::ExtendedModel pulled(with_tendons);
+  for (const model::Values& values : loop.grid(with_tendons, pulled.rod())) EXPECT_EQ(values[3], 0.0);
+  EXPECT_FALSE(loop.has_parameter(with_tendons, 3));
 }
 
 TEST(FlowLimit, LetsSlowRampsPassAndCutsFastOnes) {

@@ -48,7 +48,7 @@ double loop_width(const std::string& id, const model::Values& values, double per
 
 TEST(Hysteresis, OfTheMaterialIsTheSameLoopAtEverySpeed) {
   // 2500 Pa are 1 / m; a share of 0.1 of that, less what the loop's own stiffness takes.
-  const Eigen::Vector3d values(0.1, 2500.0, 1.0);
+  const Vector4d values(0.1, 2500.0, 1.0, 0.0);
   const double slow = loop_width("hysteresis", values, 20.0), fast = loop_width("hysteresis", values, 2.0);
   EXPECT_NEAR(slow, 0.1, 0.005);
   EXPECT_NEAR(fast, slow, 0.003);

@@ -29,9 +29,10 @@ void PrintTo(const Remembering& one, std::ostream* out) {
 }
 
 const std::vector<Remembering> kAll{
-    {"hysteresis", {0.5, 1500.0, 0.0}, "semi_physical_200mm"},
-    {"hysteresis", {0.5, 1500.0, 1.0}, "two_segment"},
-    {"hysteresis", {0.5, 1500.0, 2.0}, "tendons"},
+    {"hysteresis", {0.5, 1500.0, 0.0, 0.0}, "semi_physical_200mm"},
+    {"hysteresis", {0.5, 1500.0, 0.0, 2.0}, "semi_physical_200mm"},
+    {"hysteresis", {0.5, 1500.0, 1.0, 0.0}, "two_segment"},
+    {"hysteresis", {0.5, 1500.0, 2.0, 0.0}, "tendons"},
     {"creep", {0.4, 1.0, 0.0, 0.0}, "two_segment"},
     {"creep", {0.4, 0.5, 1.0, 0.0}, "two_segment"},
     {"creep", {0.4, 1.0, 0.0, 1.0}, "two_segment"},

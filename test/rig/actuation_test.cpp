@@ -304,6 +304,10 @@ TEST(Actuation, MistakesAreOneLine) {
       {"effect: hysteresis", "effect: hysteria", {"hidden[1].effect", "hysteria", "base_compliance"}},
       {"loop_pa: 100", "loop_pa: 100, form: guess", {"hidden[1].form", "guess", "play"}},
       {"loop_pa: 100", "loop_pa: 100, play: 100", {"hidden[1].play", "unknown", "loop_pa"}},
+      {"loop_pa: 100", "loop_pa: 100, chamber: 3", {"hidden[1].effect", "chamber is 3", "0 ... 2"}},
+      {"loop_pa: 100",
+       "form: material, chamber: 1",
+       {"hidden[1].chamber", "material", "allowed with form play, bouc_wen"}},
   };
   for (const Mistake& mistake : mistakes) {
     std::string text = good;

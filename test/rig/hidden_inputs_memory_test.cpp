@@ -31,6 +31,20 @@ TEST(Hysteresis, BothFormsHaveTheirWidthInAWideCycleAtEverySpeed) {
     }
 }
 
+TEST(Hysteresis, MayBeOfOneChamber) {
+  for (const char* form : {"play", "bouc_wen"}) {
+    Walk walk(with("hysteresis", {{"loop_pa", 2500.0}, {"chamber", 2.0}}, form));
+    const std::vector<double> up = walk.to(commands(40e3, 40e3, 40e3), 1.0).pressures_pa,
+                              down = walk.to(commands(), 1.0).pressures_pa;
+    for (const std::size_t other : {0u, 2u}) {
+      EXPECT_EQ(up[other], 40e3) << form;
+      EXPECT_EQ(down[other], 0.0) << form;
+    }
+    EXPECT_NEAR(up[1], 40e3 - 1250.0, 0.1) << form;
+    EXPECT_NEAR(down[1], 1250.0, 0.1) << form;
+  }
+}
+
 TEST(Hysteresis, BoucWenBendsWithItsKneeAndNeverGoesBack) {
   Walk walk(with("hysteresis", {{"loop_pa", 2000.0}}, "bouc_wen"));
   // Virgin curve: z = 1 - e^(-u / 1200), output u - 1000 z.

@@ -66,18 +66,6 @@ bool nearly(double a, double b) {
   return std::abs(a - b) <= kNearly * std::max(std::abs(a), std::abs(b));
 }
 
-Choices hysteresis(const Numbers& v) {
-  const int of = static_cast<int>(std::lround(v("of")));
-  const double loop = v("share") * v("width_pa") / kLoopPa, width = v("width_pa") / kLoopPa;
-  if (of == 1)
-    return {choice("hysteresis", "material",
-                   {{"loop_per_m", loop * kLoopPerM}, {"yield_per_m", 0.5 * width * kLoopPerM}})};
-  return {choice("hysteresis", "play",
-                 {{"loop_pa", of == 0 ? loop * kLoopPa : 0.0},
-                  {"loop_n", of == 2 ? loop * kLoopN : 0.0},
-                  {"loop_rad", of == 3 ? loop * kLoopRad : 0.0}})};
-}
-
 /// The choice of what may be one chamber's, which the arm file numbers by all its pressures and the rig by
 /// those that drive something; none where it drives nothing.
 Choices of_chamber(const Numbers& v, HiddenChoice one) {
@@ -94,6 +82,19 @@ Choices of_chamber(const Numbers& v, HiddenChoice one) {
     return {one};
   }
   return {};
+}
+
+Choices hysteresis(const Numbers& v) {
+  const int of = static_cast<int>(std::lround(v("of")));
+  const double loop = v("share") * v("width_pa") / kLoopPa, width = v("width_pa") / kLoopPa;
+  if (of == 1)
+    return {choice("hysteresis", "material",
+                   {{"loop_per_m", loop * kLoopPerM}, {"yield_per_m", 0.5 * width * kLoopPerM}})};
+  const HiddenChoice play = choice("hysteresis", "play",
+                                   {{"loop_pa", of == 0 ? loop * kLoopPa : 0.0},
+                                    {"loop_n", of == 2 ? loop * kLoopN : 0.0},
+                                    {"loop_rad", of == 3 ? loop * kLoopRad : 0.0}});
+  return of == 0 ? of_chamber(v, play) : Choices{play};
 }
 
 Choices leak(const Numbers& v) {
