@@ -54,6 +54,7 @@
   EFFECT(vacuum_gain) \
   EFFECT(tendon_friction) \
   EFFECT(tendon_slack) \
+  EFFECT(tendon_length) \
   EFFECT(creep) \
   EFFECT(axial_memory) \
   EFFECT(mullins) \

@@ -15,7 +15,7 @@ const std::set<std::string> kIds{
     "vacuum_shortening", "vacuum_gain",         "tendon_friction",   "creep",
     "mullins",           "jamming_memory",      "jamming_yield",     "drift",
     "temperature",       "flow_limit",          "axial_memory",      "tendon_slack",
-    "supply_sag"};
+    "tendon_length",     "supply_sag"};
 
 /// All chambers move at three speeds, the vacuum comes and goes.
 model::TrialData busy_trial(const arm::Arm& arm, double duration_s) {
@@ -61,9 +61,14 @@ Arena& cables() {
   static Arena arena(shipped_arm("cable_235mm"));
   return arena;
 }
+Arena& sections() {
+  static Arena arena(arm_in_sections());
+  return arena;
+}
 Arena& arena_of(const model::Effect& effect) {
   if (effect.applies_to(chambers().arm)) return chambers();
-  return effect.applies_to(tendons().arm) ? tendons() : cables();
+  if (effect.applies_to(tendons().arm)) return tendons();
+  return effect.applies_to(cables().arm) ? cables() : sections();
 }
 
 std::vector<const model::Effect*> effects() {
@@ -127,6 +132,11 @@ TEST(DrivesAndMemory, ApplyOnlyWhereTheArmHasWhatTheyActOn) {
   EXPECT_FALSE(find("tendon_friction")->applies_to(without));
   EXPECT_TRUE(find("tendon_slack")->applies_to(cables().arm));
   EXPECT_FALSE(find("tendon_slack")->applies_to(with_tendons) || find("tendon_slack")->applies_to(without));
+  EXPECT_TRUE(find("tendon_length")->applies_to(sections().arm));
+  EXPECT_TRUE(find("tendon_length")->applies_to(shipped_arm("tendon_trunk")));
+  // Tendons whose tensions are known bend what they pass through by these.
+  for (const char* arm : {"cable_235mm", "two_segment", "hybrid_85mm"})
+    EXPECT_FALSE(find("tendon_length")->applies_to(shipped_arm(arm))) << arm;
   // A cable and an incompressible arm: nothing changes its length.
   EXPECT_TRUE(find("axial_memory")->applies_to(without));
   EXPECT_FALSE(find("axial_memory")->applies_to(cables().arm));

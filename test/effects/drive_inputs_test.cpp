@@ -1,4 +1,5 @@
 // Effects on inputs look as the catalogue describes them.
+#include <optional>
 #include <random>
 #include <set>
 #include <utility>
@@ -199,6 +200,86 @@ TEST(TendonSlack, IsLostOnBothSides) {
     EXPECT_NEAR(series.moment_inputs(0, i),
                 std::copysign(std::max(0.0, std::abs(commanded[i]) - 0.1), commanded[i]), 1e-12);
   EXPECT_EQ(series.inputs.row(0), before);
+}
+
+/// Servos held at some angles, no weight.
+model::TrialData held_weightless(const arm::Arm& wound, const Eigen::Vector4d& angles_rad) {
+  model::TrialData trial = made_up(wound, 1.0, [&](double) { return angles_rad; });
+  for (model::Block& block : trial.blocks) block.gravity_base.setZero();
+  return trial;
+}
+
+/// Curvatures of the pieces of a segment that is bent alike all along, towards x and y of the section.
+Eigen::Vector2d bent_alike_per_m(const model::FineRod& fine, const model::Predicted& now, int segment) {
+  std::optional<Eigen::Vector2d> bent;
+  for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
+    if (fine.pieces()[j].segment != segment) continue;
+    const Eigen::Vector3d& u = now.shape.middles.at(j).u;
+    if (!bent) bent = Eigen::Vector2d(u.y(), -u.x());
+    EXPECT_LT((*bent - Eigen::Vector2d(u.y(), -u.x())).norm(), 1e-6);
+  }
+  return bent.value();
+}
+
+TEST(TendonLength, BendsASegmentBackByWhatTheOneBeforeIsBent) {
+  const arm::Arm wound = arm_in_sections();
+  const model::TrialData trial = held_weightless(wound, {0.6, 0.3, 0.2, 0.0});
+  model::ExtendedModel model(wound);
+  const Eigen::Vector2d first(0.6, 0.3), second(0.2, 0.0);
+  for (const double share : {0.4, 1.0, -0.5}) {
+    const model::Present present{find("tendon_length"), Eigen::VectorXd::Constant(1, share)};
+    for (const model::Predicted& now : predict(model, wound, {present}, trial)) {
+      ASSERT_TRUE(now.solved);
+      EXPECT_LT((bent_alike_per_m(model.rod(), now, 0) - kSectionGain * first).norm(), 1e-5);
+      EXPECT_LT((bent_alike_per_m(model.rod(), now, 1) - kSectionGain * (second - share * first)).norm(),
+                1e-5);
+    }
+  }
+}
+
+TEST(TendonLength, HoldsWhereItsCablesPullHoweverManyThereAre) {
+  const Eigen::Vector2d first(0.6, 0.3);
+  const auto back = [&](const std::vector<double>& azimuths_deg) {
+    arm::Arm wound = arm_in_sections();
+    wound.segments[1].cables.clear();
+    for (const double azimuth_deg : azimuths_deg)
+      wound.segments[1].cables.push_back({"servo_4", azimuth_deg * M_PI / 180.0, kSectionGain});
+    model::ExtendedModel model(wound);
+    const model::Present present{find("tendon_length"), Eigen::VectorXd::Constant(1, 0.5)};
+    const std::vector<model::Predicted> path =
+        predict(model, wound, {present}, held_weightless(wound, {first.x(), first.y(), 0.0, 0.0}));
+    return Eigen::Vector2d(-bent_alike_per_m(model.rod(), path.back(), 1) / (0.5 * kSectionGain));
+  };
+  EXPECT_LT((back({0.0, 120.0, 240.0}) - first).norm(), 1e-5);
+  EXPECT_LT((back({10.0, 70.0}) - first).norm(), 1e-5);
+  EXPECT_LT((back({0.0}) - Eigen::Vector2d(0.6, 0.0)).norm(), 1e-5);
+  EXPECT_LT((back({90.0, 270.0}) - Eigen::Vector2d(0.0, 0.3)).norm(), 1e-5);
+}
+
+TEST(TendonLength, GoesByWhatLoadsBendAsWell) {
+  const arm::Arm wound = arm_in_sections();
+  model::TrialData trial = held_weightless(wound, Eigen::Vector4d::Zero());
+  for (model::Block& block : trial.blocks) block.gravity_base = {9.80665, 0.0, 0.0};
+  trial.series.payload_kg.setConstant(0.02);
+  model::ExtendedModel model(wound);
+  const model::Present present{find("tendon_length"), Eigen::VectorXd::Constant(1, 1.0)};
+  const std::vector<model::Predicted> with = predict(model, wound, {present}, trial),
+                                      without = predict(model, wound, {}, trial);
+  const std::vector<model::Piece>& pieces = model.rod().pieces();
+  Eigen::Vector2d bend = Eigen::Vector2d::Zero();
+  for (std::size_t j = 0; j < pieces.size(); ++j)
+    if (pieces[j].segment == 0)
+      bend += (pieces[j].s_to_m - pieces[j].s_from_m) * with[0].shape.middles[j].u.head<2>();
+  EXPECT_GT(bend.norm(), 0.2);
+  for (std::size_t k = 0; k < model.rod().parameters().size(); ++k) {
+    const rod::Parameter& parameter = model.rod().parameters()[k];
+    if (parameter.kind != rod::ParameterKind::kRestCurvature || parameter.component == 2) continue;
+    const bool distal = pieces[static_cast<std::size_t>(parameter.index)].segment == 1;
+    EXPECT_NEAR(with[0].values[static_cast<Eigen::Index>(k)],
+                distal ? -bend[parameter.component] / wound.segments[1].length_m : 0.0, 1e-3);
+  }
+  // Held against what the weights bend.
+  EXPECT_LT(tip_x(with)[0], 0.9 * tip_x(without)[0]);
 }
 
 TEST(PressureLag, WidensItsLoopWithTheSpeed) {

@@ -49,6 +49,32 @@ inline arm::Arm tendon_arm() {
   return arm;
 }
 
+constexpr double kSectionGain = 5.0;  ///< of each cable of the arm in sections, 1/(m rad)
+
+/// The arm with a cable in two segments of half its length, each with two cables at right angles and a servo
+/// for each: those of the second pass through the first.
+inline arm::Arm arm_in_sections() {
+  arm::Arm arm = shipped_arm("cable_235mm");
+  arm::ScalarInput servo = arm.inputs.scalars.at(0);
+  arm::Segment half = arm.segments.at(0);
+  half.length_m *= 0.5;
+  half.length_range_m = {0.5 * half.length_range_m.low, 0.5 * half.length_range_m.high};
+  half.cables.clear();
+  arm.segments.clear();
+  arm.inputs.scalars.clear();
+  for (int i = 0; i < 2; ++i) {
+    arm::Segment segment = half;
+    segment.name = "segment_" + std::to_string(i + 1);
+    for (int k = 0; k < 2; ++k) {
+      servo.name = "servo_" + std::to_string(2 * i + k + 1);
+      arm.inputs.scalars.push_back(servo);
+      segment.cables.push_back({servo.name, 0.5 * M_PI * k, kSectionGain});
+    }
+    arm.segments.push_back(segment);
+  }
+  return arm;
+}
+
 using InputsAt = std::function<Eigen::VectorXd(double t_s)>;
 
 /// A trial of an arm whose base frame has z along gravity (hanging), every body seen in every block.

@@ -35,7 +35,7 @@ Eigen::VectorXd slow_inputs(const arm::Arm& arm, double t_s) {
 /// An arm that has what the effect acts on.
 arm::Arm arm_for(const model::Effect& effect) {
   for (const arm::Arm& arm : {shipped_arm("semi_physical_200mm"), tendon_arm(), shipped_arm("two_segment"),
-                              shipped_arm("cable_235mm")}) {
+                              shipped_arm("cable_235mm"), arm_in_sections()}) {
     if (effect.applies_to(arm)) return arm;
   }
   throw std::runtime_error("no arm for " + effect.info().id);
