@@ -209,11 +209,35 @@ std::vector<HiddenEffect> geometry_laws() {
   };
 }
 
+/// Whether cables have other segments to pass through.
+bool cables_pass_through(const ArmSpec& arm) {
+  for (std::size_t k = 1; k < arm.segments.size(); ++k)
+    if (!arm.segments[k].cables.empty()) return true;
+  return false;
+}
+
+std::vector<HiddenEffect> cable_laws() {
+  return {
+      {"tendon_length",
+       true,
+       "cables pass through the segments before theirs and are held: what those are bent towards a cable it "
+       "lacks in its own, all of it (held), or where it is slack no more than is wound up (slackens)",
+       {"held", "slackens"},
+       {{"share", 0.0, 3.0, 0.4, 1.0,
+         "of the bend before that a cable lacks; 1: as far from the axis there as in its own segment"}},
+       [](const HiddenChoice& choice, Scenario& scenario) {
+         need(cables_pass_through(scenario.arm), "an arm with cables in a segment that follows another");
+         put(scenario.input_path.laws.cables_through,
+             LawSpec::CablesThrough{choice.values.at("share"), choice.form == "slackens"});
+       }},
+  };
+}
+
 }  // namespace
 
 std::vector<HiddenEffect> law_effects() {
   std::vector<HiddenEffect> effects;
-  for (const auto& part : {pressure_laws(), vacuum_laws(), geometry_laws()})
+  for (const auto& part : {pressure_laws(), vacuum_laws(), geometry_laws(), cable_laws()})
     effects.insert(effects.end(), part.begin(), part.end());
   return effects;
 }

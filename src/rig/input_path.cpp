@@ -83,7 +83,7 @@ struct InputPath::Impl {
     if (spec.tendon_friction) friction.emplace(*spec.tendon_friction, scenario.arm, start.tensions_n);
   }
 
-  std::vector<Acting> act(const Commands& commanded, double t_s, const std::vector<double>& bends_rad) {
+  std::vector<Acting> act(const Commands& commanded, double t_s, const std::vector<Bend>& bends) {
     const double dt_s = t_s - last_s;
     last_s = t_s;
     Acting acting(commanded);
@@ -95,9 +95,13 @@ struct InputPath::Impl {
     age(spec, session_s + t_s, acting);
 
     std::vector<Acting> result(segments, acting);
+    Eigen::Vector2d before_rad = Eigen::Vector2d::Zero();
     for (std::size_t i = 0; i < segments; ++i) {
       result[i].segment = static_cast<int>(i);
-      if (!bends_rad.empty()) result[i].bend_rad = bends_rad.at(i);
+      if (bends.empty()) continue;
+      result[i].bend_rad = bends.at(i).rad;
+      result[i].bent_before_rad = before_rad;
+      before_rad += bends[i].towards_rad;
     }
     if (friction) friction->act(result);
     return result;
@@ -120,12 +124,12 @@ InputPath::InputPath(InputPath&&) noexcept = default;
 InputPath& InputPath::operator=(InputPath&&) noexcept = default;
 
 bool InputPath::feels_bending() const {
-  return impl_->friction || impl_->spec.laws.gain_share_per_rad != 0.0;
+  const LawSpec& laws = impl_->spec.laws;
+  return impl_->friction || laws.gain_share_per_rad != 0.0 || laws.cables_through;
 }
 
-std::vector<Acting> InputPath::act(const Commands& commanded, double t_s,
-                                   const std::vector<double>& bends_rad) {
-  return impl_->act(commanded, t_s, bends_rad);
+std::vector<Acting> InputPath::act(const Commands& commanded, double t_s, const std::vector<Bend>& bends) {
+  return impl_->act(commanded, t_s, bends);
 }
 
 }  // namespace softarm::rig

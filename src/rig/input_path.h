@@ -1,6 +1,7 @@
 // From what is commanded to what acts in each segment of the true arm.
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <vector>
 
@@ -24,6 +25,14 @@ struct Acting : Commands {
   double length_scale = 1.0;
   int segment = 0;        ///< its number, from 0
   double bend_rad = 0.0;  ///< the angle by which it is bent, where that matters
+  /// By which all segments before it are bent together, towards x and y of the section, where that matters.
+  Eigen::Vector2d bent_before_rad = Eigen::Vector2d::Zero();
+};
+
+/// How far a segment is bent: integrals along it.
+struct Bend {
+  double rad = 0.0;                                       ///< of the size of its curvature
+  Eigen::Vector2d towards_rad = Eigen::Vector2d::Zero();  ///< of its parts towards x and y of the section
 };
 
 /// Regulators, lines, tendons and memory of a scenario (InputPathSpec).
@@ -44,8 +53,8 @@ class InputPath {
 
   /// What acts at a time in each segment, from what is commanded then. It remembers: to be asked in the order
   /// of time, t >= 0; the same time may be asked again. Between two times a command goes straight.
-  /// @param bends_rad by how much each segment is bent; empty: not
-  std::vector<Acting> act(const Commands& commanded, double t_s, const std::vector<double>& bends_rad = {});
+  /// @param bends of each segment; empty: not bent
+  std::vector<Acting> act(const Commands& commanded, double t_s, const std::vector<Bend>& bends = {});
 
  private:
   struct Impl;

@@ -56,6 +56,16 @@ double LawDepartures::pulling_rad(double angle_rad) const {
   return std::copysign(slack->sags ? size + s * std::expm1(-size / s) : std::max(0.0, size - s), angle_rad);
 }
 
+double LawDepartures::shortens_m(const CableSpec& cable, double wound_m) const {
+  const auto& through = hidden_.cables_through;
+  if (!through) return wound_m;
+  const double azimuth = azimuth_rad(cable.azimuth_rad);
+  const double towards_rad =
+      acting_.bent_before_rad.dot(Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth)));
+  const double left_m = wound_m - through->share * cable.lever_m * towards_rad;
+  return through->slackens ? std::max(std::min(0.0, wound_m), left_m) : left_m;
+}
+
 double LawDepartures::gain() const {
   double factor = acting_.gain_scale * (1.0 + hidden_.gain_share_per_rad * acting_.bend_rad);
   if (const auto& law = hidden_.vacuum_gain)

@@ -18,6 +18,8 @@ class LawDepartures {
   double moment_pressure_pa(const ChamberSpec& chamber) const;
   /// A servo's angle that winds up cable which is not slack.
   double pulling_rad(double angle_rad) const;
+  /// Of the length of a cable that is wound up, what shortens it in its own segment.
+  double shortens_m(const CableSpec& cable, double wound_m) const;
   /// An actuator's azimuth where it really sits.
   double azimuth_rad(double stated_rad) const { return stated_rad + hidden_.actuators_turned_rad; }
   /// Of the moments of all actuators.

@@ -57,6 +57,15 @@ struct LawSpec {
   };
   std::optional<Slack> cable_slack;
 
+  /// Cables of a segment pass through those before it, as far from the axis as in their own, and are held: of
+  /// what is wound up of a cable, what those are bent towards it has taken lever * angle, times share.
+  /// Slackens: a cable only pulls, and what one that is slack already loses more is nothing.
+  struct CablesThrough {
+    double share = 0.0;
+    bool slackens = false;
+  };
+  std::optional<CablesThrough> cables_through;
+
   std::map<int, double> chamber_gain_share;  ///< of the gain, by number of the pressure from 0
   double actuators_turned_rad = 0.0;         ///< all azimuths of actuators, about the tangent
 

@@ -185,8 +185,8 @@ Actuation apply_laws(const SegmentSpec& segment, const Acting& acting, const Law
     const double share = share_at(saturation, over(std::abs(angle_rad), cable.saturation_rad) +
                                                   over(sums.angles_rad, saturation.cables_rad));
     const double wound_m = share * cable.spool_radius_m * departures.pulling_rad(angle_rad);
-    actuation.moment_nm += departures.gain() * actuation.bending_stiffness_nm2 * wound_m /
-                           (segment.length_m * cable.lever_m) *
+    actuation.moment_nm += departures.gain() * actuation.bending_stiffness_nm2 *
+                           departures.shortens_m(cable, wound_m) / (segment.length_m * cable.lever_m) *
                            towards(departures.azimuth_rad(cable.azimuth_rad));
   }
   actuation.moment_nm += actuation.bending_stiffness_nm2 * departures.rest_curvature_per_m();

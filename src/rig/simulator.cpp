@@ -86,12 +86,13 @@ struct Simulator::Impl {
     constexpr double kSameRad = 1e-10;
     for (int times = 0; times < kMostTimes; ++times) {
       if (!rod.settle(inputs_at(0.0))) break;
-      const std::vector<double> before = bends_rad;
+      const std::vector<Bend> before = bends;
       feel_bending(false);
       double change = 0.0;
       for (std::size_t i = 0; i < before.size(); ++i)
-        change = std::max(change, std::abs(bends_rad[i] - before[i]));
-      if (change <= kSameRad && before.size() == bends_rad.size()) return;
+        change = std::max({change, std::abs(bends[i].rad - before[i].rad),
+                           (bends[i].towards_rad - before[i].towards_rad).norm()});
+      if (change <= kSameRad && before.size() == bends.size()) return;
     }
     throw SimulationError(
         fmt::format("scenario {}: no static equilibrium found to start from", scenario.name));
@@ -101,26 +102,31 @@ struct Simulator::Impl {
   void feel_bending(bool moving) {
     if (!input_path.feels_bending()) return;
     constexpr int kPlaces = 8;
-    const std::vector<double> before = bends_rad;
-    bends_rad.assign(scenario.arm.segments.size(), 0.0);
+    const std::vector<Bend> before = bends;
+    bends.assign(scenario.arm.segments.size(), {});
     double begin = 0.0;
-    for (std::size_t i = 0; i < bends_rad.size(); ++i) {
+    for (std::size_t i = 0; i < bends.size(); ++i) {
       const double share = scenario.arm.segments[i].length_m / scenario.arm.length_m();
-      for (int k = 0; k < kPlaces; ++k)
-        bends_rad[i] += rod.curvature(begin + share * (k + 0.5) / kPlaces).head<2>().norm() *
-                        actuation[i].length_m / kPlaces;
+      for (int k = 0; k < kPlaces; ++k) {
+        const Eigen::Vector3d u = rod.curvature(begin + share * (k + 0.5) / kPlaces);
+        bends[i].rad += u.head<2>().norm() * actuation[i].length_m / kPlaces;
+        // Bending towards x is a turn about y.
+        bends[i].towards_rad += actuation[i].length_m / kPlaces * Eigen::Vector2d(u.y(), -u.x());
+      }
       begin += share;
     }
     // As it will be at the end of the next step, if it goes on.
-    next_bends_rad = bends_rad;
-    for (std::size_t i = 0; moving && i < before.size(); ++i)
-      next_bends_rad[i] = std::max(0.0, 2.0 * bends_rad[i] - before[i]);
+    next_bends = bends;
+    for (std::size_t i = 0; moving && i < before.size(); ++i) {
+      next_bends[i].rad = std::max(0.0, 2.0 * bends[i].rad - before[i].rad);
+      next_bends[i].towards_rad = 2.0 * bends[i].towards_rad - before[i].towards_rad;
+    }
   }
 
   /// To be asked in the order of time: the path of the inputs remembers.
   RitzRodInputs inputs_at(double t_s) {
     commands = protocol.at(t_s);
-    const std::vector<Acting> acting = input_path.act(commands, t_s, next_bends_rad);
+    const std::vector<Acting> acting = input_path.act(commands, t_s, next_bends);
     actuation.clear();
     for (const SegmentSpec& segment : scenario.arm.segments) {
       try {
@@ -204,7 +210,7 @@ struct Simulator::Impl {
   std::vector<Actuation> actuation;  ///< per segment
   std::vector<WallCreep> walls;      ///< per segment
   /// Per segment, after the last step and after the next; empty: not felt.
-  std::vector<double> bends_rad, next_bends_rad;
+  std::vector<Bend> bends, next_bends;
   std::size_t frame = 0;
 };
 

@@ -147,6 +147,26 @@ TEST(ArmAsScenarios, TheClockOfOneInputIsTheFiles) {
   EXPECT_EQ(sent.count("/pressure/chamber_2"), 1u);
 }
 
+/// Cables at right angles pass through a segment of chambers. With the effect in its file the arm estimates
+/// itself.
+TEST(ArmAsScenarios, CablesThatPassThroughAnotherSegmentAreTheFiles) {
+  const TestFolder dir;
+  const Outcome made = softarm_program(
+      "new-arm --kind chambers,cables --segments 2 --length 0.12,0.1 --mass 0.12,0.05 --diameter 0.04,0.03 "
+      "--actuators 3,2 --angles 0,120,240/0,90 --bodies a:0.06,b:0.12,c:0.17,d:0.22 --base clamp --out " +
+      dir / "plain.yaml");
+  ASSERT_EQ(made.status, 0) << made.err;
+  const std::string arm =
+      dir.write("arm.yaml", text_of(dir / "plain.yaml") +
+                                "\neffects:\n  - {id: tendon_length, parameters: {share: 0.75}}\n");
+  const ArmEstimated found = shown(dir, arm, "--prior on --window 0.5");
+  EXPECT_GT(static_cast<double>(found.ok), 0.98 * static_cast<double>(found.rows));
+  const std::string truth = text_of(dir / "trial.truth.yaml");
+  EXPECT_THAT(truth, HasSubstr("effect: tendon_length"));
+  EXPECT_THAT(truth, HasSubstr("form: held"));
+  EXPECT_THAT(truth, HasSubstr("share: 0.75"));
+}
+
 TEST(ArmAsScenarios, WhatTheRigDoesNotHaveIsOneLine) {
   const TestFolder dir;
   const auto refused = [&](const std::string& scenario, const std::string& says) {

@@ -204,6 +204,38 @@ TEST(OnTheRig, EffectsOfTendonsArePredictedAtTheirSize) {
         shipped_arm("two_segment"), scenario, scenario.arm.segments[0].retardation_s);
 }
 
+TEST(OnTheRig, CablesThatPassThroughAnotherSegmentArePredictedAtTheirSize) {
+  const rig::Scenario scenario = scenario_in_sections();
+  check({"held", {"tendon_length", "held", {{"share", 0.8}}}, {0.8}, 0.05}, arm_in_sections(), scenario,
+        scenario.arm.segments[0].retardation_s);
+}
+
+TEST(OnTheRig, CablesThatSlackenInAnotherSegmentAreMostlyThoseThatAreHeld) {
+  const arm::Arm arm = arm_in_sections();
+  rig::Scenario scenario = scenario_in_sections();
+  // The second segment's cables are tight at first, then more is taken of one than is wound up.
+  scenario.duration_s = 14.0;
+  scenario.angles.random.reset();
+  scenario.angles.schedule = {
+      {0.0, {0.2, 0.2, 0.2, 0.2}}, {0.5, {0.6, 0.3, 0.9, 0.6}}, {5.0, {0.8, 0.6, 0.3, 0.2}}};
+  rig::hide({"tendon_length", "slackens", {{"share", 0.8}}}, scenario);
+  const model::TrialData trial = recorded(arm, scenario);
+  model::ExtendedModel model(arm);
+  model::Dynamics dynamics;
+  dynamics.viscoelastic_lag_s = scenario.arm.segments[0].retardation_s;
+  const double without_m = rms_m(predict(model, arm, {}, trial, dynamics), trial);
+  double best_m = without_m;
+  for (const double share : {0.3, 0.4, 0.5, 0.6, 0.7, 0.8}) {
+    const model::Present held{find("tendon_length"), Eigen::VectorXd::Constant(1, share)};
+    best_m = std::min(best_m, rms_m(predict(model, arm, {held}, trial, dynamics), trial));
+  }
+  EXPECT_GT(without_m, 1e-3);
+  EXPECT_LT(best_m, 0.6 * without_m);
+  EXPECT_GT(best_m, 0.05 * without_m) << "another law";
+  RecordProperty("slackens", std::to_string(1e3 * without_m) + " mm without, " +
+                                 std::to_string(1e3 * best_m) + " mm with");
+}
+
 TEST(OnTheRig, InputsBetweenTheirSamplesAreNotLate) {
   const arm::Arm arm = shipped_arm("online_200mm");
   rig::Scenario scenario = shipped_scenario("trial_10s");

@@ -187,6 +187,26 @@ inline void make_clean(rig::Scenario& scenario) {
   scenario.payload.schedule = {{0.0, {0.0}}};
 }
 
+/// The rig's arm in sections, held out and wound up by all of its servos.
+inline rig::Scenario scenario_in_sections() {
+  rig::Scenario scenario = shipped_scenario("cable_235mm");
+  make_clean(scenario);
+  scenario.duration_s = 10.0;
+  rig::SegmentSpec half = scenario.arm.segments.at(0);
+  half.length_m *= 0.5;
+  half.mass_kg *= 0.5;
+  const double lever_m = half.cables.at(0).lever_m;
+  half.cables.clear();
+  scenario.arm.segments.assign(2, half);
+  scenario.arm.servos = 4;
+  for (int servo = 0; servo < 4; ++servo)
+    scenario.arm.segments[static_cast<std::size_t>(servo / 2)].cables.push_back(
+        {servo, 0.5 * M_PI * (servo % 2), lever_m, kSectionGain * half.length_m * lever_m});
+  scenario.angles.random->min = {0.2, -0.4, 0.1, -0.3};
+  scenario.angles.random->max = {1.0, 0.8, 0.9, 0.6};
+  return scenario;
+}
+
 /// Runs the rig and records what it publishes.
 inline trial::Trial recorded_trial(const arm::Arm& arm, const rig::Scenario& scenario,
                                    const std::string& name = "rig") {

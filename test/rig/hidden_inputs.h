@@ -1,6 +1,7 @@
 // Hiding effects in scenarios and watching what acts: for the tests of the inputs' effects.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <map>
 #include <string>
@@ -31,6 +32,20 @@ inline Scenario laboratory() {
   s.arm.tendons = 2;
   s.vacuum.schedule = {{0.0, {0.0}}};
   s.payload.schedule = {{0.0, {0.1}}};
+  return s;
+}
+
+/// The laboratory with two cables at right angles in each of its segments instead, wound up by a servo each.
+inline Scenario wound_laboratory() {
+  Scenario s = laboratory();
+  int servo = 0;
+  for (SegmentSpec& segment : s.arm.segments) {
+    segment.chambers.clear();
+    segment.tendons.clear();
+    for (const double azimuth : {0.0, M_PI / 2.0}) segment.cables.push_back({servo++, azimuth, 0.01, 0.005});
+  }
+  s.arm.chambers = s.arm.tendons = 0;
+  s.arm.servos = servo;
   return s;
 }
 

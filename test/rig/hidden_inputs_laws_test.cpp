@@ -184,6 +184,61 @@ TEST(CableSlack, IsTakenUpBeforeTheCablePulls) {
   EXPECT_NEAR(pull(slack_rad, sags), pull(slack_rad * std::exp(-1.0), wound), 1e-12);
 }
 
+TEST(CablesThroughSegments, LackWhatThoseBendTowardsThem) {
+  const Scenario wound = wound_laboratory();
+  const auto curvature = [&](const Scenario& s, const Eigen::Vector2d& angles_rad,
+                             const Eigen::Vector2d& before_rad) {
+    Commands c;
+    c.angles_rad = {0.0, 0.0, angles_rad.x(), angles_rad.y()};
+    Acting acting(c);
+    acting.bent_before_rad = before_rad;
+    const Actuation a = apply_laws(s.arm.segments[1], acting, s.input_path.laws);
+    return Eigen::Vector2d(a.moment_nm / a.bending_stiffness_nm2);
+  };
+  // A spool of half the lever: half the angle over 0.1 m.
+  const Eigen::Vector2d angles(0.4, 0.2), before(0.3, -0.1), none = Eigen::Vector2d::Zero();
+  EXPECT_LT((curvature(wound, angles, before) - 5.0 * angles).norm(), 1e-12);
+  const Scenario held = with("tendon_length", {{"share", 0.8}}, "held", wound),
+                 slackens = with("tendon_length", {{"share", 0.8}}, "slackens", wound);
+  for (const Scenario& s : {held, slackens}) {
+    EXPECT_LT((curvature(s, angles, none) - 5.0 * angles).norm(), 1e-12);
+    // 0.2 - 0.24 and 0.1 + 0.08, over 0.1 m: the first is slack.
+    const Eigen::Vector2d left(s.input_path.laws.cables_through->slackens ? 0.0 : -0.4, 1.8);
+    EXPECT_LT((curvature(s, angles, before) - left).norm(), 1e-12);
+  }
+}
+
+TEST(CablesThroughSegments, ThatAreSlackLoseNoMore) {
+  const Scenario slackens = with("tendon_length", {{"share", 1.0}}, "slackens", wound_laboratory());
+  const auto curvature = [&](double angle_rad, double before_rad) {
+    Commands c;
+    c.angles_rad = {0.0, 0.0, angle_rad, 0.0};
+    Acting acting(c);
+    acting.bent_before_rad = {before_rad, 0.0};
+    const Actuation a = apply_laws(slackens.arm.segments[1], acting, slackens.input_path.laws);
+    return a.moment_nm.x() / a.bending_stiffness_nm2;
+  };
+  EXPECT_NEAR(curvature(-0.2, 0.3), -1.0, 1e-12);
+  EXPECT_NEAR(curvature(-0.2, -0.3), 2.0, 1e-12);  // drawn tight
+  for (double before_rad : {-0.3, 0.0, 0.3})       // no jump where it begins to be wound up
+    EXPECT_NEAR(curvature(-1e-9, before_rad), curvature(1e-9, before_rad), 1e-7);
+}
+
+TEST(CablesThroughSegments, AreTakenUpByAllSegmentsBefore) {
+  Scenario s = wound_laboratory();
+  s.arm.segments.push_back(s.arm.segments.back());
+  Commands c;
+  c.angles_rad = std::vector<double>(4, 0.0);
+  EXPECT_FALSE(InputPath(s, c).feels_bending());
+  InputPath path(with("tendon_length", {{"share", 1.0}}, "held", s), c);
+  EXPECT_TRUE(path.feels_bending());
+  const std::vector<Acting> acting =
+      path.act(c, 0.01, {{0.5, {0.3, 0.4}}, {0.2, {-0.2, 0.0}}, {0.1, {0.1, 0.0}}});
+  EXPECT_EQ(acting[0].bent_before_rad, Eigen::Vector2d(0.0, 0.0));
+  EXPECT_EQ(acting[1].bent_before_rad, Eigen::Vector2d(0.3, 0.4));
+  EXPECT_LT((acting[2].bent_before_rad - Eigen::Vector2d(0.1, 0.4)).norm(), 1e-15);
+}
+
 TEST(OutsideTheCatalogue, GainGoesWithTheBending) {
   const Scenario s = with("curvature_gain", {{"share_per_rad", 0.1}});
   EXPECT_NEAR(under(s, commands(20e3), 0.5).moment_nm.x(), kGain * 20e3 * 1.05, 1e-12);

@@ -63,7 +63,7 @@ TEST(TendonFriction, LoopAndLossFollowTheCapstanEquation) {
   const double mu = 0.2, routing = 0.5;
   InputPath path(with("tendon_friction", {{"coefficient", mu}, {"routing_rad", routing}}), commands());
   EXPECT_TRUE(path.feels_bending());
-  const std::vector<double> bends{1.0, 0.5};
+  const std::vector<Bend> bends{{1.0}, {0.5}};
   double t = 0.0;
   const auto pull = [&](double tension_n) {
     Commands c = commands();
@@ -90,7 +90,7 @@ TEST(TendonFriction, AStraightArmLosesNothing) {
   InputPath path(with("tendon_friction", {{"coefficient", 0.3}}), commands());
   Commands c = commands();
   c.tensions_n = {5.0, 2.0};
-  for (const Acting& a : path.act(c, 0.01, {0.0, 0.0})) EXPECT_EQ(a.tensions_n, c.tensions_n);
+  for (const Acting& a : path.act(c, 0.01, {Bend(), Bend()})) EXPECT_EQ(a.tensions_n, c.tensions_n);
 }
 
 TEST(JammingSettling, FastEvacuationStaysShortThenCreepsAndReleaseIsProportional) {
@@ -214,6 +214,31 @@ TEST(Simulated, TendonFrictionBendsLessOnTheWayUpThanOnTheWayDown) {
   EXPECT_LT(up, 0.06);
 }
 
+TEST(Simulated, CablesThatPassThroughAnotherSegmentBendTheirOwnBack) {
+  Scenario s = wound_laboratory();
+  s.gravity_m_s2 = 0.0;
+  s.mocap.rate_hz = 50.0;
+  s.mocap.ring_fractions = {0.5, 1.0};
+  s.duration_s = 4.0;
+  s.payload.schedule.clear();
+  s.payload.publish = false;
+  s.angles.rest = 0.6;
+  s = with("tendon_length", {{"share", 2.0}}, "held", s);
+  Simulator simulator(s);
+  const Truth first = simulator.next()->truth;
+  // Half the servos' angles towards x and y; of the second segment the same less twice that.
+  const Eigen::Quaterniond straight = Eigen::Quaterniond::Identity();
+  const double bend = 0.3 * std::sqrt(2.0);
+  EXPECT_NEAR(first.rings_base[0].q.angularDistance(straight), bend, 1e-6);
+  EXPECT_NEAR(first.rings_base[1].q.angularDistance(straight), 0.0, 1e-6);
+  const SegmentTruth& distal = first.segments[1];
+  EXPECT_LT((distal.moment_nm + distal.bending_stiffness_nm2 * Eigen::Vector2d(3.0, 3.0)).norm(), 1e-7);
+  // Two arcs, there and back.
+  EXPECT_NEAR(first.rings_base[1].p.head<2>().norm(), 2.0 * 0.1 / bend * (1.0 - std::cos(bend)), 1e-7);
+  const Truth second = simulator.next()->truth;
+  EXPECT_LT((second.rings_base[1].p - first.rings_base[1].p).norm(), 1e-7);
+}
+
 TEST(Simulated, AGainThatDependsOnTheBendingStartsSettled) {
   Scenario s = laboratory();
   s.gravity_m_s2 = 0.0;
@@ -281,6 +306,8 @@ TEST(InputEffects, TableIsSound) {
                          "valve_stiction",
                          "chamber_bulge",
                          "curvature_gain",
+                         "tendon_slack",
+                         "tendon_length",
                          "temperature",
                          "regulator_error",
                          "flow_limit",
@@ -313,6 +340,7 @@ TEST(InputEffects, WhatDoesNotFitIsOneLine) {
   EXPECT_THAT(on_bare("gain_nonlinearity", {{"share", 0.1}}), HasSubstr("chambers"));
   EXPECT_THAT(on_bare("tendon_friction", {{"coefficient", 0.1}}), HasSubstr("tendons"));
   EXPECT_THAT(on_bare("torsion", {}, "tension"), HasSubstr("tendons"));
+  EXPECT_THAT(on_bare("tendon_length", {{"share", 1.0}}), HasSubstr("cables"));
   EXPECT_THAT(on_bare("jamming_law", {}), HasSubstr("per_jamming_pressure"));
   EXPECT_THAT(on_bare("payload_scale", {{"share", 0.1}}), HasSubstr("published"));
   bare.vacuum.schedule.clear();

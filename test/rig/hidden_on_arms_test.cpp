@@ -138,8 +138,8 @@ void expect_sane(const std::vector<Sample>& samples) {
 
 /// What an arm refuses for the lack of something, or because it has it already; the rest it must take.
 std::set<std::string> refused_by(const std::string& arm) {
-  std::set<std::string> refused{"jamming_law",   "jamming_memory", "jamming_settling",
-                                "jamming_yield", "vacuum_gain",    "vacuum_shortening"};
+  std::set<std::string> refused{"jamming_law", "jamming_memory",    "jamming_settling", "jamming_yield",
+                                "vacuum_gain", "vacuum_shortening", "tendon_length"};
   if (arm != "cable_235mm") refused.insert("tendon_slack");
   if (arm == "two_segment") refused.insert("axial_compliance");
   if (arm == "hybrid_85mm") refused.insert({"axial_compliance", "shear", "payload_offset", "payload_scale"});

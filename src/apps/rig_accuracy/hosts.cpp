@@ -1,5 +1,6 @@
 #include "rig_accuracy/hosts.h"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "rig_accuracy/paths.h"
@@ -20,6 +21,29 @@ rig::Programme cycle(std::vector<double> to, std::vector<double> rates) {
   programme.parts = {part};
   programme.repeat = true;
   return programme;
+}
+
+/// The same arm in two segments, each with two cables at right angles: those of the second pass through the
+/// first.
+rig::Scenario in_sections(rig::Scenario scenario) {
+  const rig::CableSpec cable = scenario.arm.segments.at(0).cables.at(0);
+  rig::SegmentSpec half = scenario.arm.segments.at(0);
+  half.length_m *= 0.5;
+  half.mass_kg *= 0.5;
+  half.cables.clear();
+  scenario.name += "_in_sections";
+  scenario.arm.segments.assign(2, half);
+  scenario.arm.servos = 0;
+  for (rig::SegmentSpec& segment : scenario.arm.segments) {
+    for (const double azimuth_rad : {0.0, M_PI / 2.0}) {
+      segment.cables.push_back(cable);
+      segment.cables.back().input = scenario.arm.servos++;
+      segment.cables.back().azimuth_rad = azimuth_rad;
+      segment.cables.back().spool_radius_m *= 0.5;  // the same curvature
+    }
+  }
+  scenario.angles.programme = cycle({0.6, 0.3, 0.5, 0.4}, {0.3, 0.6});
+  return scenario;
 }
 
 }  // namespace
@@ -50,6 +74,7 @@ std::vector<rig::Scenario> hosts(const std::string& config, double seconds) {
     }
     all.push_back(scenario);
   }
+  all.push_back(in_sections(all.back()));
   return all;
 }
 

@@ -10,9 +10,9 @@
 
 namespace softarm::rig_accuracy {
 
-/// Of shipped arms, tilted: pneumatic, with vacuum, with tendons, with a servo. Each shows within ten seconds
-/// whatever is done to it: inputs that cycle at two speeds (pressures at 20 and 60 kPa/s) with holds, vacuum
-/// that comes and goes, a payload that is hung on. @throws std::exception
+/// Of shipped arms, tilted: pneumatic, with vacuum, with tendons, with a servo; the last in two segments,
+/// too. Each shows within ten seconds whatever is done to it: inputs that cycle at two speeds (pressures at
+/// 20 and 60 kPa/s) with holds, vacuum that comes and goes, a payload that is hung on. @throws std::exception
 std::vector<rig::Scenario> hosts(const std::string& config, double seconds);
 
 /// An effect in the middle of its usual range; where that range lies about 0, halfway to its upper end. Whole

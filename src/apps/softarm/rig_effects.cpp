@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -223,6 +224,31 @@ Choices tendon_slack(const Numbers& v) {
   if (!nearly(v("lost_rad"), v("edge_rad")))
     throw std::invalid_argument("lost_rad differs from edge_rad, which the virtual rig has as one");
   return {choice("tendon_slack", "taut", {{"angle_deg", kDegPerRad * v("lost_rad")}})};
+}
+
+/// The rig's cables lack one by one what the segments before have of their lengths, and all that are there
+/// add up.
+Choices tendon_length(const Numbers& v) {
+  std::optional<double> together;  // of the cables of a segment, of a bend towards which they pull
+  const std::vector<arm::Segment>& segments = v.arm().segments;
+  for (std::size_t i = 1; i < segments.size(); ++i) {
+    if (segments[i].cables.empty()) continue;
+    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+    for (const arm::Cable& cable : segments[i].cables) {
+      const Eigen::Vector2d towards(std::cos(cable.bending_direction_rad),
+                                    std::sin(cable.bending_direction_rad));
+      sum += towards * towards.transpose();
+    }
+    // Its eigenvalues: alike all round, or of one direction alone.
+    const double half = 0.5 * sum.trace(), apart = std::sqrt(std::max(0.0, half * half - sum.determinant()));
+    const bool one_way = half - apart < kNearly * half;
+    if (!(one_way || apart < kNearly * half) || (together && !nearly(*together, half + apart)))
+      throw std::invalid_argument(
+          "cables of which some directions or segments have more than others have no counterpart in the "
+          "virtual rig");
+    together = half + apart;
+  }
+  return {choice("tendon_length", "held", {{"share", v("share") / together.value_or(1.0)}})};
 }
 
 Choices pressure_lag(const Numbers& v) {
@@ -489,6 +515,7 @@ const std::map<std::string, Translation>& translations() {
       {"bending_plane_offset", bending_plane_offset},
       {"chamber_mismatch", chamber_mismatch},
       {"tendon_slack", tendon_slack},
+      {"tendon_length", tendon_length},
       {"tendon_friction", same("", {"coefficient", "routing_rad"})},
   };
   return table;
