@@ -210,7 +210,7 @@ class Block:
         if matching(NOT_RUN, command) or (not long_run and matching(LONG, command)):
             self.left += 1
             return []
-        command = command.replace("git clone REPOSITORY", f"git clone -q {source}").split("  #")[0].rstrip()
+        command = command.replace("git clone REPOSITORY_URL", f"git clone -q {source}").split("  #")[0].rstrip()
         written = re.search(r" --out (\S+)", command)
         before = [f"rm -rf {written.group(1)}"] if in_table and written else []
         said = f"echo '@@' {self.quoted(command)} >&2"
