@@ -128,7 +128,7 @@ def of_size(result):
     beside = truth.get("distractors_leave_m", truth.get("unexplained_m"))
     if beside is None:
         baseline = 1e3 * prove_score.unseen_rms_m(result["report"], "baseline")
-        return f"what is hidden leaves {leaves:.2f} mm (held-out error of the baseline: {baseline:.2f} mm)"
+        return f"what is hidden leaves {leaves:.2f} mm (error of the baseline on unseen trials: {baseline:.2f} mm)"
     others = "untouched recordings" if "unexplained_m" in truth else "small departures"
     return f"what is hidden leaves {leaves:.2f} mm (the {others}: {1e3 * beside:.2f} mm)"
 

@@ -63,8 +63,8 @@ FIGURES = [
     ("displacement_explained", "share of the hidden displacement that a rightly named effect makes, median",
      None, None),
     ("displacement_coverage", "90 % intervals that hold the true displacement (effects with one size)", None, None),
-    ("held_out_over_floor", "held-out error over noise floor, median (untidy left out)", None, 1.05),
-    ("worse_than_baseline", "nothing hidden: extended arm with a larger held-out error than the baseline", None, 0.0),
+    ("held_out_over_floor", "error on unseen trials over noise floor, median (untidy left out)", None, 1.05),
+    ("worse_than_baseline", "nothing hidden: extended arm with a larger error on unseen trials than the baseline", None, 0.0),
     ("bias_removed", "compensated, and something named: share of the error of EI that the extended arm removes, median", 0.8, None),
     ("place_error_m", "place of contact and soft spot, median error, m", None, 0.02),
     ("law_share", "outside the catalogue, verdict unknown: share of what a flexible model learns that the discovered law explains, median",
@@ -377,7 +377,7 @@ A real arm has effects of its own, and nobody knows which. So an intervention is
 
 def trials(results, figures, names):
     """doc/proof_trials.md: every case. names: of files, see prove_pages.py."""
-    lines = [["case", "kind", "hidden", "an ideal detector", "said", "held-out error: baseline -> extended (noise floor), mm", "judged"]]
+    lines = [["case", "kind", "hidden", "an ideal detector", "said", "error on unseen trials: baseline -> extended (noise floor), mm", "judged"]]
     for result in results:
         truth, report = result["truth"], result["report"]
         if truth is None:

@@ -330,7 +330,7 @@ def ranks(result):
 
 
 def unseen_rms_m(report, model):
-    """Error of a model on trials left out, by precision as the noise floor is; in older records under the other name."""
+    """Error of a model on unseen trials, by precision as the noise floor is; in older records under the other name."""
     return report[model].get("held_out_weighted_rms_m", report[model]["held_out_rms_m"])
 
 

@@ -38,7 +38,7 @@ class Misses(unittest.TestCase):
                       "`drift` explains 80 % of what is hidden, the catalogue's `creep` 60 %",
                       "`drift` (97 %) is not there, but acts like what is hidden (explains 80 % of that)",
                       "`tether` (60 %) is not there (explains 2 % of what is hidden)",
-                      "what is hidden leaves 0.20 mm (held-out error of the baseline: 1.00 mm)"):
+                      "what is hidden leaves 0.20 mm (error of the baseline on unseen trials: 1.00 mm)"):
             self.assertIn(words, why)
 
     def test_what_no_first_order_explains(self):
