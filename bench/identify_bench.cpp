@@ -67,7 +67,7 @@ std::vector<trial::Trial> paper_trials(const arm::Arm& arm) {
   return trials;
 }
 
-/// Twelve constants: gains, elongations, b1 to b3, length and rest curvature; a third of the trials held out,
+/// Twelve constants: gains, elongations, b1 to b3, length and rest curvature; a third of the trials unseen,
 /// errors before and after, uncertainties and prior included.
 void identify_30_trials(benchmark::State& state) {
   const arm::Arm truth = pneumatic_arm();

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Draws what `softarm identify --plot DIR` wrote: measured against predicted tip before and after, the errors of fitted
-and held-out trials, and each constant with its 95 % interval against its start.
+and unseen trials, and each constant with its 95 % interval against its start.
 
     scripts/plot_identify.py DIR --out identify.png
     scripts/plot_identify.py --joints --out doc/images/identify_joints.png      # how joints that yield bend an arm
@@ -18,7 +18,7 @@ import numpy as np
 
 GRAVITY_M_S2 = 9.80665
 GAIN_NM_PER_PA = 6e-6
-COLOURS = {"before": "0.65", "after": "C0", "held out": "C1"}
+COLOURS = {"before": "0.65", "after": "C0", "unseen": "C1"}
 
 
 def read(folder, name, numbers, texts):
@@ -37,8 +37,8 @@ def draw_tip(axes, rows, axis):
         if not chosen.any():
             continue
         axes.plot(measured[chosen], before[chosen], ".", ms=3, color=COLOURS["before"], label=None if held else "before")
-        axes.plot(measured[chosen], after[chosen], ".", ms=4, color=COLOURS["held out" if held else "after"],
-                  label="after, " + ("held out" if held else "fitted"))
+        axes.plot(measured[chosen], after[chosen], ".", ms=4, color=COLOURS["unseen" if held else "after"],
+                  label="after, " + ("unseen" if held else "fitted"))
     limits = axes.get_xlim()
     axes.plot(limits, limits, "k-", lw=0.6)
     axes.set_xlabel(f"measured {axis} of {tip} (mm)")
@@ -49,7 +49,7 @@ def draw_tip(axes, rows, axis):
 def draw_errors(axes, rows):
     """Mean error of each frame's bodies, sorted, mm."""
     _, frame = np.unique(np.char.add(np.char.add(rows["trial"].astype(str), " "), rows["stamp"].astype(str)), return_inverse=True)
-    for held, label, colour in ((0, "fitted", COLOURS["after"]), (1, "held out", COLOURS["held out"])):
+    for held, label, colour in ((0, "fitted", COLOURS["after"]), (1, "unseen", COLOURS["unseen"])):
         for column, style in (("error_before", ":"), ("error_after", "-")):
             known = (rows["held_out"] == held) & ~np.isnan(rows[column])
             sums, counts = np.bincount(frame[known], 1e3 * rows[column][known]), np.bincount(frame[known])

@@ -3,8 +3,8 @@
 
     scripts/plot_real_arms.py --data DATA --work work --out doc/images
 
-The script imports the recordings of the pouch arm (DATA/pouch_arm) with `softarm import`, fits with `softarm identify`, with each trial
-held out in turn, estimates with `softarm estimate`, diagnoses with `softarm diagnose`, prints the tables and draws
+The script imports the recordings of the pouch arm (DATA/pouch_arm) with `softarm import`, fits with `softarm identify`, each trial
+unseen in its turn, estimates with `softarm estimate`, diagnoses with `softarm diagnose`, prints the tables and draws
 
     real_pouch_one_segment.png, real_pouch_two_segments.png   measured and predicted paths of the tip (and mid)
     real_pouch_loops.png                                      the same over pressure
@@ -263,7 +263,7 @@ def two_segments(pouch, shapes, out):
     # EA stays as in the arm file: only one of the two trials has a load.
     options = ["--hold", real_pouch.HOLD, "--also-free", real_pouch.FREE]
     two = pouch.each_by_the_others("two", "pouch_arm", "two", [trial for _, trial, _ in TWO], *options)
-    columns = [(f"two_segment {trial}, held out", trial, two[trial]) for _, trial, _ in TWO]
+    columns = [(f"two_segment {trial}, unseen", trial, two[trial]) for _, trial, _ in TWO]
     options[1] = real_pouch.HOLD_STEPS
     pouch.identify("steps_fitted", "pouch_arm", "steps", *options, "--leave-one-out")
     fitted = rows_of(pouch.work / "plot_steps_fitted/shapes.csv")
@@ -271,7 +271,7 @@ def two_segments(pouch, shapes, out):
     for trial in ("set_2", "set_3"):
         columns.append((f"steps {trial}, fitted", trial, [row for row in fitted if row["trial"] == trial]))
     draw_paths(columns, [("tip", BLUE), ("mid", ORANGE)], out / "real_pouch_two_segments.png")
-    loops = [(f"one segment, {trial}, held out", "chamber_2", shapes[trial]) for _, trial, _ in ONE]
+    loops = [(f"one segment, {trial}, unseen", "chamber_2", shapes[trial]) for _, trial, _ in ONE]
     for title, trial, rows in columns:
         loops.append((title.replace("two_segment", "two segments,"), "chamber_2", rows))
     draw_loops(loops, out / "real_pouch_loops.png")

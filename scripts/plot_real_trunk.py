@@ -76,7 +76,7 @@ def lines_of(text, *words):
 
 
 def print_shape(rows):
-    print("\nheld-out pieces, every frame: error of each disc, mean distance (rms per direction), mm")
+    print("\nunseen pieces, every frame: error of each disc, mean distance (rms per direction), mm")
     for load in LOADS:
         text = []
         for disc in ("disc_1", "disc_2", "disc_3"):
@@ -90,7 +90,7 @@ def print_shape(rows):
 
 
 def print_amplitude(rows):
-    """Of the lowest disc in the held-out pieces of 0 and 300 g, over that without a load: measured and predicted."""
+    """Of the lowest disc in the unseen pieces of 0 and 300 g, over that without a load: measured and predicted."""
     size = {}
     for load in LOADS:
         some = [r for r in rows if r["body"] == "disc_3" and r["trial"] in {f"{load}_{i}" for i in HELD_OUT}]
@@ -120,7 +120,7 @@ def draw_paths(rows, path, piece=5):
             axes.spines[side].set_visible(False)
     grid[0].set_ylim(top=1.45 * grid[0].get_ylim()[1])  # room for the legend
     grid[0].legend(fontsize=8, frameon=False, loc="upper right", ncol=4)
-    grid[0].set_title("a piece that was not fitted, the same inputs with 0 and 300 g", fontsize=10)
+    grid[0].set_title("an unseen piece, the same inputs with 0 and 300 g", fontsize=10)
     grid[-1].set_xlabel("time (s)")
     figure.tight_layout()
     figure.savefig(path, dpi=75)
@@ -189,7 +189,7 @@ def payloads(work, folder, load, piece):
 
 
 def print_payload(work, folder, pieces):
-    print(f"\n{folder}: payload (kg) of the last frame of each held-out piece; all frames: identifiable, and so but 2 sd off")
+    print(f"\n{folder}: payload (kg) of the last frame of each unseen piece; all frames: identifiable, and so but 2 sd off")
     for load, (_, truth) in LOADS.items():
         cells, identifiable, wrong, inside, count = [], 0, 0, 0, 0  # of frames
         for piece in pieces:
@@ -211,7 +211,7 @@ def draw_payload(work, folder, path):
             axes.fill_between(t, kg - sd, kg + sd, color=COLOURS[load], alpha=0.15, lw=0)
             axes.plot(t, kg, color=COLOURS[load], lw=1.4, label=f"{load[:-1]} g")
             axes.axhline(truth, color=COLOURS[load], lw=1, ls=":")
-        axes.set_title(f"held-out piece {piece}", fontsize=10)
+        axes.set_title(f"unseen piece {piece}", fontsize=10)
         axes.set_xlabel("time (s)")
         axes.set_ylim(-0.15, 0.75)
         axes.grid(alpha=0.25)
@@ -307,7 +307,7 @@ def main():
     unseen = held_out + [f"100g_{i}" for i in range(10)]
     table = real_regression.errors(real_regression.sequences_of(work / "plot_both/shapes.csv"), unseen, PAST_S, step=8)
     pieces = {load: [name for name in unseen if name.startswith(f"{load}_")] for load in LOADS}
-    real_regression.print_errors("every frame of the held-out pieces", table, [
+    real_regression.print_errors("every frame of the unseen pieces", table, [
         ("trunk, every frame: 0 g, 300 g", 5, [pieces["0g"], pieces["300g"]]), ("100 g", 5, [pieces["100g"]]),
         (f"all {len(unseen)} pieces", 5, [unseen])])
     print_repeatability(data)

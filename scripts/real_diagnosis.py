@@ -104,7 +104,7 @@ def draw(reports, path):
         axes.grid(alpha=0.25, axis="y")
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
-    grid[0][0].set_ylabel("rms error, trial not fitted (mm)")
+    grid[0][0].set_ylabel("rms error on unseen trials (mm)")
     # Above the bars, whatever their heights.
     grid[0][0].set_ylim(top=1.3 * grid[0][0].get_ylim()[1])
     grid[0][0].legend(fontsize=9, frameon=False, loc="upper left", ncol=1)

@@ -98,7 +98,7 @@ def errors(sequences, unseen, lags_s, judged=None, step=1):
 
 def print_errors(title, table, rows):
     """One line per trial; then, as the page has them, rows of groups of trials: title, what is to be reached, the groups."""
-    print(f"\n{title}: mean distance of the bodies in trials that were not fitted, mm")
+    print(f"\n{title}: mean distance of the bodies in unseen trials, mm")
     columns = ["physics", *LEARNERS]
     print("  " + " " * 12 + "   ".join(columns))
     for name, row in table.items():

@@ -65,7 +65,7 @@ def print_maps(angles, tip):
     maps = {"linear": angles, "and speeds, accelerations": np.hstack([angles, rate, np.gradient(rate, PERIOD_S, axis=0)]),
             "of degree 3": np.column_stack([angles, *squares, *cubes])}
     text = ", ".join(f"{name} {' and '.join(f'{x:.1f}' for x in left_on_held_out(f, tip))}" for name, f in maps.items())
-    print(f"         held-out pieces, rms in x and y: {text} mm")
+    print(f"         unseen pieces, rms in x and y: {text} mm")
     plays = {}
     for width in PLAYS_DEG:
         slack = np.column_stack([play(angles[:, i], np.radians(width)) for i in columns])

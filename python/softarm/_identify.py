@@ -32,8 +32,8 @@ class Identification:
     """What :func:`identify` found.
 
     ``arm``: the arm with the constants and the prior (its file as ``softarm identify --out`` writes it); ``verdict``: whether
-    they are better on trials that were not fitted, in one line; ``generalises``: the same as bool, None where none was held
-    out; ``constants``; ``correlation`` and ``covariance`` (k, k) of them, in their order and units; ``text``: tables for people.
+    they are better on unseen trials, in one line; ``generalises``: the same as bool, None where there are none;
+    ``constants``; ``correlation`` and ``covariance`` (k, k) of them, in their order and units; ``text``: tables for people.
     """
 
     def __init__(self, raw: Dict[str, Any]) -> None:
@@ -68,7 +68,7 @@ def identify(arm: Arm, trials: Sequence[Trial], *, free: Union[str, Sequence[str
     """Fits the constants of ``arm`` to ``trials``; as ``softarm identify``, whose options these are.
 
     ``free``, ``also_free``, ``held``, ``tied``: patterns of constants' names ("*.moment_gain"); tied ones have one value in all
-    segments. ``held_out``: names of trials that are compared, not fitted; else the share ``held_out_share`` (0 to 0.9) of three or
+    segments. ``held_out``: names of unseen trials: compared, not fitted; else the share ``held_out_share`` (0 to 0.9) of three or
     more, every n-th, or drawn by ``seed`` if that is not 0. ``leave_one_out``: all are fitted, and each is predicted from a fit to the
     others. ``frames_per_trial``: that are chosen of each; ``moving``: also where the arm moves; ``robust``: gross errors of bodies are
     bounded; ``exact_inputs``: inputs without noise and zeros of their sensors. ``payload_kg``: counts in all trials, whatever they

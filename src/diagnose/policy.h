@@ -247,7 +247,7 @@ struct Policy {
     std::size_t most_steps = 8;  ///< from what was told to what hung
     /// Step over the heaviest payload, or over the payload's standard deviation, after which none is made.
     double settled = 0.02, settled_sd = 0.5;
-    /// Ratio of plain errors on trials left out, of all that is found under other payloads to all that is
+    /// Ratio of plain errors on unseen trials, of all that is found under other payloads to all that is
     /// found as told: below it those are the arm's. Numbers that were fitted to the trials themselves make
     /// some of it.
     double better = 0.8;

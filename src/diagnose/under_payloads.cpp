@@ -39,7 +39,7 @@ std::unique_ptr<Begun> begun_under(const arm::Arm& arm, const model::Prepared& p
   return nullptr;
 }
 
-/// Whether these errors on trials left out are so much smaller that they are no better fit's, but the arm's.
+/// Whether these errors on unseen trials are so much smaller that they are no better fit's, but the arm's.
 bool is_better(double mean_m, double than_m) {
   return mean_m > 0.0 && mean_m < kPolicy.told.better * than_m;
 }

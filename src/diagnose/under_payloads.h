@@ -25,7 +25,7 @@ struct UnderOthers {
 
 /// What was told, with the end of the fit under other payloads to begin from.
 struct AsToldAnew {
-  double mean_m = 0.0;  ///< of errors on trials left out, with the same effects
+  double mean_m = 0.0;  ///< of errors on unseen trials, with the same effects
   /// Where that is hardly more than under the other payloads: what follows from those constants.
   std::optional<Conclusion> conclusion;
 };

@@ -27,11 +27,11 @@ std::vector<std::string> arm_file_header(const Result& result) {
   } else if (result.held_out.frames > 0) {
     const ShapeError &before = result.held_out_before, &after = result.held_out;
     lines.push_back(fmt::format(
-        "mean shape error on held-out trials ({}): {:.2f} mm, {:.2f} % of the length; before: "
+        "mean shape error on unseen trials ({}): {:.2f} mm, {:.2f} % of the length; before: "
         "{:.2f} mm",
         names_of(result, true), 1e3 * after.mean_m, after.percent(after.mean_m), 1e3 * before.mean_m));
   } else {
-    lines.push_back(fmt::format("no trial was held out; mean shape error on those fitted: {:.2f} mm",
+    lines.push_back(fmt::format("no trial is unseen; mean shape error on those fitted: {:.2f} mm",
                                 1e3 * result.fitted.mean_m));
   }
   for (const Constant& constant : result.constants) {

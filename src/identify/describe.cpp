@@ -146,10 +146,9 @@ std::string errors_table(const Result& result) {
     text += error_row("each by others, before", result.left_out_one_before);
     return text + error_row("each by others, after", result.left_out_one_after);
   }
-  if (result.held_out.frames == 0)
-    return text + "  no trial is held out: nothing says how far to trust this\n";
-  text += error_row("held-out trials, before", result.held_out_before);
-  text += error_row("held-out trials, after", result.held_out);
+  if (result.held_out.frames == 0) return text + "  no trial is unseen: nothing says how far to trust this\n";
+  text += error_row("unseen trials, before", result.held_out_before);
+  text += error_row("unseen trials, after", result.held_out);
   return text;
 }
 
@@ -171,7 +170,7 @@ std::string trials_text(const Result& result) {
   std::string text;
   for (const TrialSummary& trial : result.trials)
     text += fmt::format("  {:<32}{:<9} frames {:>5}, mean error {:7.2f} mm -> {:.2f} mm\n", trial.name,
-                        trial.held_out ? "held out" : "fitted", trial.frames, 1e3 * trial.before.mean_m,
+                        trial.held_out ? "unseen" : "fitted", trial.frames, 1e3 * trial.before.mean_m,
                         1e3 * trial.after.mean_m);
   if (result.left_out_one.empty()) return text;
   std::size_t width = 24;
@@ -194,10 +193,10 @@ std::optional<bool> generalises(const Result& result) {
 std::string verdict(const Result& result) {
   if (!result.apart.empty()) return result.apart;
   const std::optional<bool> good = generalises(result);
-  if (!good) return "no trial is held out: nothing says whether this generalises";
+  if (!good) return "no trial is unseen: nothing says whether this generalises";
   const auto [before, after] = unseen_errors(result);
   const std::string change =
-      fmt::format("{:.2f} → {:.2f} mm held out", 1e3 * before.mean_m, 1e3 * after.mean_m);
+      fmt::format("{:.2f} → {:.2f} mm on unseen trials", 1e3 * before.mean_m, 1e3 * after.mean_m);
   if (!*good) return fmt::format("does not generalise: {}; run diagnose", change);
   if (after.mean_m < (1.0 - kLeastGain) * before.mean_m) return fmt::format("generalises: {}", change);
   return fmt::format("as good as before: {}, no more than noise", change);

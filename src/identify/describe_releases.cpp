@@ -28,7 +28,7 @@ std::string describe(const ReleaseFit& fit) {
   for (const ReleaseError& e : fit.errors) {
     text += fmt::format(
         "{:<16} {:<8} {:9.1f} mm  {:6.1f} mm {:5.1f} % ({:.0f} %)  {:6.1f} mm {:5.1f} % ({:.0f} %)\n",
-        e.trial, e.fitted ? "fitted" : "held out", 1e3 * e.amplitude_m, 1e3 * e.linear_m,
+        e.trial, e.fitted ? "fitted" : "unseen", 1e3 * e.amplitude_m, 1e3 * e.linear_m,
         100 * e.linear_m / e.amplitude_m, 100 * e.linear_m / e.largest_m, 1e3 * e.slip_m,
         100 * e.slip_m / e.amplitude_m, 100 * e.slip_m / e.largest_m);
     ++count[e.fitted];
@@ -37,7 +37,7 @@ std::string describe(const ReleaseFit& fit) {
   }
   for (const int i : {1, 0})
     text += fmt::format("{} ({}), mean: {:.1f} % of the amplitude; with slip {:.1f} %\n",
-                        i == 1 ? "fitted" : "held out", count[i], sum[i][0] / std::max(1, count[i]),
+                        i == 1 ? "fitted" : "unseen", count[i], sum[i][0] / std::max(1, count[i]),
                         sum[i][1] / std::max(1, count[i]));
   text += "in brackets: of the largest distance from rest within the second that is predicted\n";
   for (const std::string& line : fit.left_out) text += "left out: " + line + "\n";

@@ -42,10 +42,10 @@ std::vector<bool> choose_held_out(const std::vector<trial::Trial>& trials, const
       std::string names;
       for (const trial::Trial& trial : trials) names += (names.empty() ? "" : ", ") + trial.name;
       throw std::invalid_argument(
-          fmt::format("'{}' is no trial that could be held out; there are {}", name, names));
+          fmt::format("'{}' is no trial that could stay unseen; there are {}", name, names));
     }
     if (std::count(held.begin(), held.end(), false) == 0)
-      throw std::invalid_argument("all trials are held out: nothing is left to fit");
+      throw std::invalid_argument("all trials are to stay unseen: nothing is left to fit");
     return held;
   }
   if (trials.size() < 3 || !(options.held_out_share > 0.0) || options.leave_one_out) return held;
@@ -133,7 +133,7 @@ void leave_one_out(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
   result.left_out_one_after = summarise(after, result.arm.total_length_m());
 }
 
-/// The frames that can be used, those of held-out trials apart.
+/// The frames that can be used, those of unseen trials apart.
 struct Frames {
   std::vector<trial::StaticFrame> fitted, others;
 };
@@ -326,7 +326,7 @@ bool keep_the_better(const std::vector<FreeConstant>& constants, Result& result)
   result.warnings.push_back(fmt::format(
       "THE FIT IS NO BETTER THAN THE ARM FILE: {} are off by {:.2f} mm with the fitted constants, by {:.2f} "
       "mm with those of the arm file, which are kept and written; below are those of the fit",
-      unseen ? "trials that were not fitted" : "the trials", 1e3 * after.mean_m, 1e3 * before.mean_m));
+      unseen ? "unseen trials" : "the trials", 1e3 * after.mean_m, 1e3 * before.mean_m));
   for (const FreeConstant& constant : constants) set_value(result.arm, constant.ref, constant.initial);
   return true;
 }
@@ -339,7 +339,7 @@ Result fit_of(const arm::Arm& arm, const std::vector<trial::Trial>& trials, Effe
     throw std::invalid_argument(
         options.held_out.empty()
             ? "each trial by the fit to the others: there is only one trial"
-            : "trials are held out by name, or each in its turn (leave one out), not both");
+            : "unseen trials are given by name, or each is one in its turn (leave one out), not both");
   const double own_share = options.leave_one_out ? 1.0 / (1.0 + static_cast<double>(trials.size())) : 1.0;
   const auto report = [&](double share) {
     if (progress) progress(own_share * share);

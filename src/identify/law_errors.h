@@ -16,7 +16,7 @@ namespace softarm::identify {
 /// @param of_constants their covariance, in their units
 /// @param given_moduli the same given the moduli that are not identifiable: what EI is off by takes the
 /// moment along, and is counted with EI
-/// @param frames of fitted and held-out trials
+/// @param frames of fitted and unseen trials
 arm::LawPrior law_errors(const arm::Arm& arm, LawModel& model, const std::vector<trial::StaticFrame>& frames,
                          const Eigen::MatrixXd& of_constants, const Eigen::MatrixXd& given_moduli);
 

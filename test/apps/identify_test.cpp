@@ -86,7 +86,7 @@ TEST(SoftarmIdentify, RigTrialsGiveAnArmThatEstimateLoads) {
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_EQ(o.out.rfind("generalises: ", 0), 0u) << o.out;
   EXPECT_THAT(o.out, HasSubstr("segment_1.chamber_1.moment_gain"));
-  EXPECT_THAT(o.out, HasSubstr("held-out trials, after"));
+  EXPECT_THAT(o.out, HasSubstr("unseen trials, after"));
   const std::string text = text_of(out);
   EXPECT_THAT(text,
               HasSubstr("# softarm identify: constants and prior identified from the trials t0, t1, t2\n"));

@@ -225,7 +225,7 @@ TEST(RealPouchArm, StretchGivesThePayloadOfAnotherTrialWithinItsInterval) {
     const Outcome o = softarm_program("identify --arm " + arm + " " + dir / "*load_?.bag" + kIdentifyOptions +
                                       "--hold-out load_" + trial + " --force --out " + dir / "without.yaml");
     ASSERT_EQ(o.status, 0) << o.err;
-    // All of the held-out trial, its payload unknown.
+    // All of the unseen trial, its payload unknown.
     import("pouch_arm_one_segment", pouch("one_segment/load_400g") + "data_collect_" + trial + ".txt", "",
            dir / "whole.bag");
     const Outcome e = softarm_program("estimate --arm " + dir / "without.yaml " + dir / "whole.bag" +

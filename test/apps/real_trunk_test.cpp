@@ -113,7 +113,7 @@ TEST_F(RealTrunk, ShapeFollowsFromTheMotorsAndPayloadsComeOutInOrderWithHonestIn
   ASSERT_EQ(o.status, 0) << o.err;
   const auto json = nlohmann::json::parse(text_of(dir / "id.json"));
   EXPECT_LT(json.at("held_out").at("mean_m").get<double>(), 0.008);
-  EXPECT_GT(json.at("held_out").at("mean_m").get<double>(), 0.003) << "too good: is it held out?";
+  EXPECT_GT(json.at("held_out").at("mean_m").get<double>(), 0.003) << "too good: is it unseen?";
 
   const Outcome e =
       softarm_program("estimate --arm " + dir / "arm.yaml " + none + "5.bag " + some + "5.bag " + most +

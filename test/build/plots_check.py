@@ -153,7 +153,7 @@ class Others(unittest.TestCase):
     def test_an_identification(self):
         softarm("identify", "--arm", "online_200mm", *self.bags, "--out", self.path("fitted.yaml"), "--plot", self.path("picture"))
         drawn = self.said("plot_identify.py", self.path("picture"))
-        for text in ("measured z of ring_4 (mm)", "after, fitted", "after, held out", "held out, before", "segment_1.chamber_1.moment_gain"):
+        for text in ("measured z of ring_4 (mm)", "after, fitted", "after, unseen", "unseen, before", "segment_1.chamber_1.moment_gain"):
             self.assertIn(f"<!-- {text} -->", drawn)
         for option, text in (("--joints", "sag of the tip"), ("--laws", "one chamber alone: c p / (1 + a p)"), ("--wall", "inflated for 15 s")):
             self.assertIn(f"<!-- {text} -->", self.said("plot_identify.py", option))

@@ -51,7 +51,7 @@ TEST(SaturationOnTheRig, PredictsUnseenTrialsAsProportionalLawsCannot) {
   }
 }
 
-/// Held-out errors of proportional laws and of saturating ones, of six trials.
+/// Errors on unseen trials of proportional laws and of saturating ones, of six trials.
 struct HeldOut {
   Result before, after;
 };

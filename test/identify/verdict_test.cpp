@@ -1,4 +1,4 @@
-// Whether what was identified holds on trials that were not fitted, in one line.
+// Whether what was identified holds on unseen trials, in one line.
 #include <gtest/gtest.h>
 
 #include "softarm/identify/identify.h"
@@ -19,13 +19,13 @@ Result held_out(double before_m, double after_m) {
 
 TEST(Verdict, SaysWhetherHeldOutErrorsFell) {
   EXPECT_EQ(verdict(held_out(0.01498, 0.01516)),
-            "does not generalise: 14.98 → 15.16 mm held out; run diagnose");
+            "does not generalise: 14.98 → 15.16 mm on unseen trials; run diagnose");
   EXPECT_EQ(verdict(held_out(0.01498, 0.01495)),
-            "does not generalise: 14.98 → 14.95 mm held out; run diagnose");
-  EXPECT_EQ(verdict(held_out(0.01498, 0.0031)), "generalises: 14.98 → 3.10 mm held out");
+            "does not generalise: 14.98 → 14.95 mm on unseen trials; run diagnose");
+  EXPECT_EQ(verdict(held_out(0.01498, 0.0031)), "generalises: 14.98 → 3.10 mm on unseen trials");
   EXPECT_EQ(verdict(held_out(0.0011, 0.0012)),
-            "as good as before: 1.10 → 1.20 mm held out, no more than noise");
-  EXPECT_EQ(verdict(Result()), "no trial is held out: nothing says whether this generalises");
+            "as good as before: 1.10 → 1.20 mm on unseen trials, no more than noise");
+  EXPECT_EQ(verdict(Result()), "no trial is unseen: nothing says whether this generalises");
   EXPECT_FALSE(generalises(Result()));
 }
 
@@ -34,7 +34,7 @@ TEST(Verdict, OfEachTrialByTheOthersWhereThatWasAsked) {
   result.left_out_one.resize(3);
   result.left_out_one_before.mean_m = result.left_out_one_after.mean_m = 0.02;
   result.left_out_one_after.frames = 100;
-  EXPECT_EQ(verdict(result), "does not generalise: 20.00 → 20.00 mm held out; run diagnose");
+  EXPECT_EQ(verdict(result), "does not generalise: 20.00 → 20.00 mm on unseen trials; run diagnose");
   EXPECT_EQ(generalises(result), false);
 }
 

@@ -51,7 +51,7 @@ struct NamedEffect {
   double probability = 0.0;
   std::vector<EffectValue> parameters;
   Where where;
-  double held_out_gain_m = 0.0;  ///< by which it lowers the rms error on trials that were not fitted
+  double held_out_gain_m = 0.0;  ///< by which it lowers the rms error on unseen trials
   double share = 0.0;            ///< of the squares of those errors that all effects together explain
   std::vector<std::string> confusable_with;
   std::string sentence;  ///< where, what, how large, how sure
@@ -245,7 +245,7 @@ struct ToldPayload {
 /// Payloads that the recordings contradict. Everything else is said under those that were found.
 struct ToldPayloads {
   std::vector<ToldPayload> trials;
-  double as_told_mean_m = 0.0, mean_m = 0.0;  ///< plain error of trials left out, with what else was found
+  double as_told_mean_m = 0.0, mean_m = 0.0;  ///< plain error on unseen trials, with what else was found
 };
 
 struct Diagnosis {
@@ -255,10 +255,10 @@ struct Diagnosis {
   Verdict verdict = Verdict::kCannotTell;
   std::string summary;           ///< the verdict in one or two sentences
   double noise_floor_m = 0.0;    ///< rms distance of a body that noise alone makes
-  double ceiling_rms_m = 0.0;    ///< held-out rms that a flexible model of the residuals reaches
+  double ceiling_rms_m = 0.0;    ///< rms on unseen trials that a flexible model of the residuals reaches
   double explained_share = 0.0;  ///< of what lies between baseline and ceiling, by the named effects
-  /// Of the squared held-out error with the effects: what a flexible model of it still learns, so what is
-  /// neither named nor noise.
+  /// Of the squared error on unseen trials with the effects: what a flexible model of it still learns, so
+  /// what is neither named nor noise.
   double discrepancy_share = 0.0;
   double left_out_share = 0.0;                    ///< of the recordings' means that no model is compared with
   std::optional<ExchangedNames> exchanged_names;  ///< then no effects were looked for

@@ -113,9 +113,9 @@ struct Options {
       tied;  ///< patterns of those that have one value in all segments, see tie_constants()
   std::vector<std::string> held;  ///< held at the arm's value, whatever frees them
 
-  std::vector<std::string> held_out;  ///< names of trials that are not fitted; empty: by held_out_share
+  std::vector<std::string> held_out;  ///< names of unseen trials, not fitted; empty: by held_out_share
   double held_out_share = 1.0 / 3.0;  ///< of three or more trials, at least one; 0: none
-  /// 0: every n-th trial is held out; else they are drawn with this seed.
+  /// 0: every n-th trial is unseen; else they are drawn with this seed.
   std::uint64_t seed = 0;
   /// All trials are fitted; beside that each trial is predicted from a fit to all the others. For few trials.
   bool leave_one_out = false;
@@ -211,7 +211,7 @@ struct Result {
   std::vector<Combination> undetermined;
 
   ShapeError fitted_before, fitted;      ///< on the trials that were fitted
-  ShapeError held_out_before, held_out;  ///< on those that were not; no frames where none were held out
+  ShapeError held_out_before, held_out;  ///< on unseen ones; no frames where there are none
   std::vector<TrialSummary> trials;
   std::vector<WallStart> starts;  ///< of the trials that were fitted; empty where no segment has a Wall
   std::vector<EffectStart> effect_starts;  ///< of the same, where the arm file's effects have a memory
@@ -248,7 +248,7 @@ struct Result {
 /// Called with the share of the work that is done, 0 ... 1.
 using ProgressCallback = std::function<void(double)>;
 
-/// Fits the free constants to the trials that are not held out.
+/// Fits the free constants to the trials that do not stay unseen.
 ///
 /// 1. Choose frames: payload, inputs, base and bodies known; at rest where there are such; spread over inputs
 ///    and payload. The shape of each follows from the laws and the rod's statics, nothing else.
@@ -264,14 +264,14 @@ using ProgressCallback = std::function<void(double)>;
 ///    misfit, by the autocorrelation of residuals, and by the spread of the trials' own gradients (clustered
 ///    sandwich, shrunk towards the former): never narrower than noise alone.
 /// 5. Small eigenvalues of the scaled information name the combinations that are not determined.
-/// 6. Errors on held-out trials before and after; the laws' remaining errors, lasting and passing, as prior.
+/// 6. Errors on unseen trials before and after; the laws' remaining errors, lasting and passing, as prior.
 /// @throws IdentifyError without usable frames; the message counts why they were left out
 /// @throws std::invalid_argument for patterns or trial names that match nothing
 SOFTARM_EXPORT Result identify(const arm::Arm& arm, const std::vector<trial::Trial>& trials,
                                const Options& options = {}, const ProgressCallback& progress = {});
 
-/// Whether the new constants are better on trials that were not fitted, or as good there as noise lets them
-/// be; absent where none was held out.
+/// Whether the new constants are better on unseen trials, or as good there as noise lets them be; absent
+/// where there are none.
 SOFTARM_EXPORT std::optional<bool> generalises(const Result& result);
 /// That in one line, with the mean errors before and after.
 SOFTARM_EXPORT std::string verdict(const Result& result);

@@ -209,13 +209,13 @@ void add_identify(CLI::App& program) {
   list("--tie", options->fit.tied,
        "constants that have one value in all segments: '*.bending_stiffness.base' of segments of one make");
   list("--hold-out", options->fit.held_out,
-       "trials that are not fitted but compared, by name (default: every third)");
-  command->add_option("--hold-out-share", options->fit.held_out_share, "share of the trials to hold out")
+       "unseen trials, by name: not fitted, but compared (default: every third)");
+  command->add_option("--hold-out-share", options->fit.held_out_share, "share of the trials that stay unseen")
       ->check(CLI::Range(0.0, 0.9))
       ->capture_default_str();
   command->add_flag("--leave-one-out", options->fit.leave_one_out,
                     "fit all trials, and predict each from a fit to the others");
-  command->add_option("--seed", options->fit.seed, "draws the held-out trials at random; 0: evenly")
+  command->add_option("--seed", options->fit.seed, "draws the unseen trials at random; 0: evenly")
       ->capture_default_str();
   command->add_option("--frames", options->fit.frames.frames_per_trial, "frames per trial at most; 0: all")
       ->capture_default_str();

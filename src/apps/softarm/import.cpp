@@ -278,8 +278,9 @@ void add_import(CLI::App& program) {
       "--inputs", options->inputs,
       "file whose rows are joined to the recordings' by an id, where the layout has a key 'join'");
   command
-      ->add_option("--split-every", options->split_every_s,
-                   "a bag for every so many seconds: pieces of one long recording to hold out, say")
+      ->add_option(
+          "--split-every", options->split_every_s,
+          "a bag for every so many seconds: a fit may leave some pieces of one long recording unseen")
       ->check(CLI::Range(0.01, 1e6));
   command
       ->add_option(

@@ -12,7 +12,7 @@ namespace softarm::app::batch {
 /// One cell: a column of batch.csv (SI) and of the page.
 struct Figure {
   std::string column;            ///< "held_out_rms_m"
-  std::string heading;           ///< "held-out error"
+  std::string heading;           ///< "error on unseen trials"
   std::optional<double> number;  ///< in the column's unit
   std::string text;              ///< where it is no number
   double scale = 1.0;            ///< from that unit to the one that is shown
