@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "diagnose/policy.h"
 #include "effects/catalogue.h"
@@ -71,6 +72,8 @@ TEST(Posterior, OnItsLawAnEffectHasNoForm) {
 TEST(Posterior, OneOfManyChambersIsAsMuchLessProbableBeforehand) {
   std::mt19937_64 random(7);
   EvidenceData data = made_up(40, 3, 4, 0.7, random);
+  // Of two that do the same every resample of the trials says the same.
+  data.effects[1].moves = data.effects[0].moves;
   data.residual += 0.5 * data.effects[0].moves;
   const auto odds = [&data] {
     const Posterior found = posterior(data, {}, 1);
@@ -79,11 +82,61 @@ TEST(Posterior, OneOfManyChambersIsAsMuchLessProbableBeforehand) {
         if (set.effects == effects) return set.probability;
       return 0.0;
     };
-    return of({data.effects[0].effect}) / of({});
+    return of({data.effects[0].effect}) / of({data.effects[1].effect});
   };
-  const double of_all = odds();
+  EXPECT_NEAR(odds(), 1.0, 1e-9);
   data.effects[0].log_choices = std::log(4.0);
-  EXPECT_NEAR(odds(), of_all / 4.0, 1e-9 * of_all);
+  EXPECT_NEAR(odds(), 1.0 / 4.0, 1e-9);
+}
+
+TEST(Posterior, TrialsThatDisagreeLeaveBothOpen) {
+  std::mt19937_64 random(11);
+  EvidenceData data = made_up(90, 3, 4, 0.7, random);
+  for (Index i = 0; i < 90; ++i) data.trial[static_cast<std::size_t>(i)] = static_cast<std::size_t>(i / 10);
+  // Two that are nearly the same, and something that is the one in some trials and the other in the others.
+  data.effects[1].moves = data.effects[0].moves + 0.4 * data.effects[1].moves;
+  const EvidenceData clean = data;
+  const auto likelier = [&clean](Index of_first) {
+    EvidenceData seen = clean;
+    for (Index i = 0; i < 90; ++i)
+      seen.residual.row(i) += 2.0 * seen.effects[i < 10 * of_first ? 0 : 1].moves.row(i);
+    const Posterior found = posterior(seen, {}, 1);
+    return std::pair(found.instead(seen.effects[0].effect, seen.effects[1].effect),
+                     found.instead(seen.effects[1].effect, seen.effects[0].effect));
+  };
+  EXPECT_GT(likelier(9).first, 0.95);
+  EXPECT_GT(likelier(0).second, 0.95);
+}
+
+TEST(Posterior, LogLikelihoodByInstantAddsUp) {
+  std::mt19937_64 random(3);
+  const EvidenceData data = made_up(14, 3, 4, 0.7, random);
+  const Bases bases = bases_of(data);
+  const LinearGaussianModel model(data, bases);
+  const Marginal marginal = model.evaluate({data.effects[1].effect}, 2e-4);
+  const std::vector<MatrixXd> kernels = kernels_of(data);
+  const Index n = data.residual.rows(), m = data.residual.cols();
+  MatrixXd left = data.residual;
+  for (std::size_t u = 0; u < 2; ++u)
+    left -= marginal.coefficients[static_cast<Index>(u)] * data.unknowns[u].moves;
+  for (std::size_t e = 0; e < data.effects.size(); ++e)
+    left -= marginal.coefficients[static_cast<Index>(2 + e)] * data.effects[e].moves;
+  left = left * bases.directions;
+  VectorXd expected = VectorXd::Zero(n);
+  double whole = 0.0;
+  for (Index d = 0; d < m; ++d) {
+    const DirectionNoise& noise = marginal.noise[static_cast<std::size_t>(d)];
+    const MatrixXd covariance = noise.variance * ((1.0 - noise.share) * MatrixXd::Identity(n, n) +
+                                                  noise.share * kernels[noise.kernel]);
+    const Eigen::LLT<MatrixXd> factor(covariance);
+    const double log_determinant = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+    const VectorXd over = factor.solve(left.col(d));
+    whole -= 0.5 * (log_determinant + left.col(d).dot(over));
+    expected.array() -= 0.5 * (log_determinant / static_cast<double>(n) + left.col(d).array() * over.array());
+  }
+  const VectorXd by_instant = model.log_by_instant(marginal, bases);
+  EXPECT_LT((by_instant - expected).norm(), 1e-6 * expected.norm());
+  EXPECT_NEAR(by_instant.sum(), whole, 1e-6 * std::abs(whole));
 }
 
 TEST(Posterior, EvidenceIsTheDensityWrittenOut) {
