@@ -10,6 +10,7 @@
 #include "effects/catalogue.h"
 #include "policy.h"
 #include "ranking.h"
+#include "refits.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -282,6 +283,8 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
                             is_of_sensors_alone(of.info(), short_delay));
     };
     effect.probability *= no_stand_in(*present.effect);
+    // No arm has more of it than its range allows: it makes up for what is left.
+    if (!adequate && at_limit(selection.extended, e)) effect.probability = 0.0;
     if (small) {
       usual.push_back(is_usual(model, present));
     } else {

@@ -262,7 +262,7 @@ struct Policy {
   } sequences;
 
   /// A law that is learnt from what nothing in the catalogue explains. Tried on untidy development cases with
-  /// an effect outside the catalogue, and on a valve that one chamber alone has (discovered_law_test.cpp).
+  /// an effect outside the catalogue, and on a valve that acts on another chamber (discovered_law_test.cpp).
   struct Law {
     std::size_t most_terms = 3;                 ///< of one law: a sentence each
     double times_s[4] = {0.3, 1.0, 4.0, 15.0};  ///< of what follows: from a line to the creep of a wall

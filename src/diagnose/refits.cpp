@@ -20,33 +20,6 @@ using model::Present;
 constexpr int kRefitIterations = 4, kDropIterations = 3, kFinishIterations = 8, kLastIterations = 1;
 constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
 
-/// At an end of its range that is not "absent", and determined: one size of several that the trials do not
-/// determine may be anywhere.
-bool at_limit(const Linearised& at) {
-  const Present& present = at.at.effects.back();
-  const Eigen::VectorXd variance = math::inverse_of_symmetric(at.information).diagonal() * inflation(at);
-  const auto determined = [&](std::size_t k) {
-    for (std::size_t j = 0; j < at.columns.size(); ++j) {
-      const JointUnknown& c = at.columns[j];
-      if (c.kind != JointUnknown::Kind::kEffect || c.index + 1 != static_cast<int>(at.at.effects.size()) ||
-          c.parameter != static_cast<int>(k))
-        continue;
-      const double sd = c.scale * std::sqrt(variance[static_cast<Eigen::Index>(j)]);
-      return std::abs(present.values[static_cast<Eigen::Index>(k)]) > kPolicy.selection.identifiable_sd * sd;
-    }
-    return true;
-  };
-  const model::Info& info = present.effect->info();
-  for (std::size_t k = 0; k < info.parameters.size(); ++k) {
-    const model::Parameter& p = info.parameters[k];
-    if (p.counts || k >= static_cast<std::size_t>(info.sizes)) continue;
-    const double value = present.values[static_cast<Eigen::Index>(k)];
-    const double near = 1e-6 * (p.high - p.low);
-    if (((value <= p.low + near && p.low != 0.0) || value >= p.high - near) && determined(k)) return true;
-  }
-  return false;
-}
-
 std::vector<Eigen::Index> rows_of_effect(const Linearised& at, std::size_t effect, bool sizes) {
   std::vector<Eigen::Index> rows;
   for (std::size_t j = 0; j < at.columns.size(); ++j) {
@@ -94,7 +67,7 @@ void fit_from(JointModel& model, const JointParameters& from,
   r.fit = model.fit(from, how, &start);
   r.evidence.reset();
   r.unseen = unseen(model, r.fit);
-  r.physical = !at_limit(r.fit);
+  r.physical = !at_limit(r.fit, r.fit.at.effects.size() - 1);
   r.converged = r.fit.converged;
 }
 
@@ -144,6 +117,31 @@ const EvidenceData& evidence_with(const std::vector<Present>& candidates, const 
 }
 
 }  // namespace
+
+bool at_limit(const Linearised& at, std::size_t effect) {
+  const Present& present = at.at.effects[effect];
+  const Eigen::VectorXd variance = math::inverse_of_symmetric(at.information).diagonal() * inflation(at);
+  const auto determined = [&](std::size_t k) {
+    for (std::size_t j = 0; j < at.columns.size(); ++j) {
+      const JointUnknown& c = at.columns[j];
+      if (c.kind != JointUnknown::Kind::kEffect || c.index != static_cast<int>(effect) ||
+          c.parameter != static_cast<int>(k))
+        continue;
+      const double sd = c.scale * std::sqrt(variance[static_cast<Eigen::Index>(j)]);
+      return std::abs(present.values[static_cast<Eigen::Index>(k)]) > kPolicy.selection.identifiable_sd * sd;
+    }
+    return true;
+  };
+  const model::Info& info = present.effect->info();
+  for (std::size_t k = 0; k < info.parameters.size(); ++k) {
+    const model::Parameter& p = info.parameters[k];
+    if (p.counts || k >= static_cast<std::size_t>(info.sizes)) continue;
+    const double value = present.values[static_cast<Eigen::Index>(k)];
+    const double near = 1e-6 * (p.high - p.low);
+    if (((value <= p.low + near && p.low != 0.0) || value >= p.high - near) && determined(k)) return true;
+  }
+  return false;
+}
 
 std::vector<Present> candidates_of(const Round& round) {
   std::vector<Present> candidates;

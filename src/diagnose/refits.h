@@ -32,6 +32,10 @@ std::size_t most_effects(const JointModel& model, const Standing& current, const
 std::vector<std::size_t> worth_a_refit(const JointModel& model, const std::vector<Screened>& screened,
                                        const Options& options);
 
+/// Whether a size of an effect is at an end of its range that is not "absent", and determined: one of several
+/// that the trials do not determine may be anywhere.
+bool at_limit(const Linearised& at, std::size_t effect);
+
 /// Columns of a fit: an effect's sizes, and its other free numbers (places, times, thresholds).
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect);
 std::vector<Eigen::Index> rows_of_shapes(const Linearised& at, std::size_t effect);

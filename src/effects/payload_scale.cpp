@@ -22,7 +22,7 @@ std::unique_ptr<Effect> make_payload_scale() {
            "m = m_stated / (1 + share)",
            "errors of instruments: JCGM 100:2008, doi:10.59161/JCGM100-2008E",
            Family::kLoad,
-           {{"share", "1", "by which the stated payload exceeds the real one", -0.5, 1.0, 0.05}},
+           {{"share", "1", "by which the stated payload exceeds the real one", -0.8, 4.0, 0.05}},
            1,
            {"mass_distribution", "tip_mass", "payload_offset"},
            {"bending_stiffness"}});

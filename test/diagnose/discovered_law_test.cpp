@@ -55,19 +55,20 @@ TEST(LawDesign, SignaturesAreThoseOfTheEffect) {
   EXPECT_GT(compared, 10);
 }
 
-/// A valve that only chamber 2 has: it sticks, so that what is logged runs ahead of what acts by up to half
-/// of a width, in whichever direction it goes. The catalogue's loops are those of all chambers alike.
+/// A valve of chamber 2 that sticks and whose line leads to chamber 3 as well: what is logged of that one
+/// runs ahead of what acts by up to half of a width, in whichever direction chamber 2 goes. Nothing in the
+/// catalogue has a memory of another chamber.
 trial::Trial recorded_behind_a_valve(const arm::Arm& arm, const rig::Scenario& scenario,
                                      const std::string& name) {
   constexpr double kHalfWidth_pa = 500.0;
   std::optional<double> last_pa;
   double ahead_pa = 0.0;
   return testing::record(arm, scenario, name, [&](rig::InputSample& input) {
+    if (input.number == 2) input.value += ahead_pa;
     if (input.number != 1) return true;
     ahead_pa =
         std::clamp(ahead_pa + input.value - last_pa.value_or(input.value), -kHalfWidth_pa, kHalfWidth_pa);
     last_pa = input.value;
-    input.value += ahead_pa;
     return true;
   });
 }

@@ -12,6 +12,7 @@
 #include "effect_ids.h"
 #include "effects/catalogue.h"
 #include "policy.h"
+#include "refits.h"
 #include "softarm/arm/arm_file.h"
 
 namespace softarm::diagnose {
@@ -191,6 +192,39 @@ TEST(Findings, CandidatesStandAsTheyAreSaid) {
   std::vector<std::string> order;
   for (const Candidate& c : d.ranking) order.push_back(c.id);
   EXPECT_EQ(order, (std::vector<std::string>{"second", "first", "rival", "small", "probable", "absent"}));
+}
+
+/// A fit with one effect, its first size free, known to 1 of its scale.
+Linearised with_size(const std::string& id, double value) {
+  Linearised at;
+  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
+    const model::Info& info = effect->info();
+    if (info.id != id) continue;
+    model::Values values = model::Values::Zero(static_cast<Eigen::Index>(info.parameters.size()));
+    values[0] = value;
+    at.at.effects.push_back({effect.get(), values});
+    JointUnknown c;
+    c.kind = JointUnknown::Kind::kEffect;
+    c.scale = info.parameters[0].usual;
+    c.low = info.parameters[0].low;
+    c.high = info.parameters[0].high;
+    at.columns.push_back(c);
+  }
+  at.information = Eigen::MatrixXd::Identity(1, 1);
+  at.gradient = Eigen::VectorXd::Zero(1);
+  return at;
+}
+
+TEST(Findings, ASizeAtTheEndOfItsRangeIsNone) {
+  const Linearised inside = with_size("curvature_gain", 0.4);
+  const JointUnknown& c = inside.columns.at(0);
+  EXPECT_FALSE(at_limit(inside, 0));
+  EXPECT_TRUE(at_limit(with_size("curvature_gain", c.low), 0));
+  EXPECT_TRUE(at_limit(with_size("curvature_gain", c.high), 0));
+  EXPECT_FALSE(at_limit(with_size("pressure_dead_zone", 0.0), 0)) << "an end that is absent";
+  Linearised unknown = with_size("curvature_gain", c.high);
+  unknown.information *= std::pow(c.scale / c.high, 2);
+  EXPECT_FALSE(at_limit(unknown, 0)) << "it may be anywhere";
 }
 
 }  // namespace
