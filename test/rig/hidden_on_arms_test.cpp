@@ -193,6 +193,11 @@ std::size_t below(std::size_t count, std::mt19937_64& random) {
   return static_cast<std::size_t>(random() % count);
 }
 
+/// Two of these, each as strong as may be, leave nothing that holds a bent arm.
+bool softens(const std::string& effect) {
+  return effect == "kink" || effect == "curvature_softening";
+}
+
 TEST(HiddenOnArms, SeveralEffectsAtOnce) {
   constexpr int kDraws = 3;
   constexpr std::size_t kAtOnce = 4;
@@ -208,6 +213,9 @@ TEST(HiddenOnArms, SeveralEffectsAtOnce) {
         const HiddenEffect& effect = effects[below(effects.size(), random)];
         const std::vector<std::string> forms = forms_of(effect);
         const std::string& form = forms[below(forms.size(), random)];
+        if (softens(effect.id) && std::any_of(with.hidden.begin(), with.hidden.end(),
+                                              [](const HiddenChoice& one) { return softens(one.effect); }))
+          continue;
         Scenario more = with;
         try {
           hide(strong(effect, form, farthest_deg(ideal)), more);
