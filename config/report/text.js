@@ -111,7 +111,7 @@ function lines(list) {
 function lawEquations(law) {
   const line = (head, ...content) => [element('dt', null, head), element('dd', null, ...content)];
   const lines = law.terms.flatMap((term, i) => [
-    ...(term.law ? line('law' + (law.terms.length > 1 ? ', term ' + (i + 1) : ''), element('span', {class: 'law'}, equation(term.law)), '; ', named(term.symbols)) : []),
+    ...(term.equation ? line('law' + (law.terms.length > 1 ? ', term ' + (i + 1) : ''), element('span', {class: 'law'}, equation(term.equation)), '; ', named(term.symbols)) : []),
     ...(term.source && (law.terms[i + 1] || {}).source !== term.source ? line('source', ...cited(term.source)) : [])]);
   const method = law.source ? line('method', ...cited(law.source)) : [];
   return lines.length + method.length ? element('div', {class: 'effect'}, element('dl', null, lines, method)) : null;

@@ -132,16 +132,12 @@ void add_description(Json& report, const diagnose::Diagnosis& d) {
   }
   if (d.discovered_law) {
     const std::vector<diagnose::LawTerm>& terms = d.discovered_law->terms;
-    report["discovered_law"]["source"] = d.discovered_law->source;
     for (std::size_t i = 0; i < terms.size(); ++i) {
       Json& term = report["discovered_law"]["terms"][i];
       term["sizes"] = {diagnose::with_interval(terms[i].x_nm), diagnose::with_interval(terms[i].y_nm)};
       term["range"] = {diagnose::with_unit(terms[i].from, terms[i].unit),
                        diagnose::with_unit(terms[i].to, terms[i].unit)};
       term["sure"] = diagnose::percent(terms[i].stability);
-      term["law"] = terms[i].law;
-      term["symbols"] = terms[i].symbols;
-      term["source"] = terms[i].source;
     }
   }
   for (std::size_t i = 0; i < d.ranking.size(); ++i) {

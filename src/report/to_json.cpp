@@ -67,6 +67,26 @@ Json json_of(const diagnose::Candidate& candidate) {
   return json;
 }
 
+Json json_of(const diagnose::LawTerm& term) {
+  Json json{{"goes_with", term.goes_with},
+            {"unit", term.unit},
+            {"from", term.from},
+            {"to", term.to},
+            {"x_nm", json_of(term.x_nm)},
+            {"y_nm", json_of(term.y_nm)},
+            {"has_direction", term.has_direction},
+            {"rises", term.rises},
+            {"stability", term.stability},
+            {"sentence", term.sentence}};
+  // Each term has letters of its own, so that there is no one equation of all.
+  if (!term.law.empty()) {
+    json["equation"] = term.law;
+    json["symbols"] = term.symbols;
+  }
+  if (!term.source.empty()) json["source"] = term.source;
+  return json;
+}
+
 Json json_of(const diagnose::DiscoveredLaw& law) {
   Json json{{"terms", Json::array()},
             {"held_out_mean_before_m", law.held_out_mean_before_m},
@@ -76,17 +96,8 @@ Json json_of(const diagnose::DiscoveredLaw& law) {
             {"share", law.share},
             {"sequences", law.sequences},
             {"sentence", law.sentence}};
-  for (const diagnose::LawTerm& term : law.terms)
-    json["terms"].push_back({{"goes_with", term.goes_with},
-                             {"unit", term.unit},
-                             {"from", term.from},
-                             {"to", term.to},
-                             {"x_nm", json_of(term.x_nm)},
-                             {"y_nm", json_of(term.y_nm)},
-                             {"has_direction", term.has_direction},
-                             {"rises", term.rises},
-                             {"stability", term.stability},
-                             {"sentence", term.sentence}});
+  for (const diagnose::LawTerm& term : law.terms) json["terms"].push_back(json_of(term));
+  if (!law.source.empty()) json["source"] = law.source;
   if (law.share_of_flexible) json["share_of_flexible"] = *law.share_of_flexible;
   if (!law.resembles.empty()) json["resembles"] = {{"name", law.resembles}, {"cosine", law.cosine}};
   return json;

@@ -87,7 +87,7 @@ TEST(ReportPage, TheLearntLawIsAnEquationWithItsSources) {
   EXPECT_EQ(said["source"], law.source);
   ASSERT_EQ(said["terms"].size(), law.terms.size());
   for (std::size_t i = 0; i < law.terms.size(); ++i) {
-    EXPECT_EQ(said["terms"][i]["law"], law.terms[i].law);
+    EXPECT_EQ(said["terms"][i]["equation"], law.terms[i].law);
     EXPECT_EQ(said["terms"][i]["symbols"], law.terms[i].symbols);
     EXPECT_EQ(said["terms"][i]["source"], law.terms[i].source);
   }

@@ -129,6 +129,26 @@ TEST(ToJson, SaysTheLawThatWasLearnt) {
   EXPECT_EQ(said["terms"][1]["rises"], true);
 }
 
+TEST(ToJson, TheLearntLawIsAnEquationWithItsSources) {
+  diagnose::Diagnosis d = testing::example_diagnosis();
+  const diagnose::DiscoveredLaw law = testing::example_law();
+  const json said = json::parse(report::to_json(d))["discovered_law"];
+  EXPECT_EQ(said["source"], law.source);
+  ASSERT_EQ(said["terms"].size(), law.terms.size());
+  for (std::size_t i = 0; i < law.terms.size(); ++i) {
+    EXPECT_EQ(said["terms"][i]["equation"], law.terms[i].law);
+    EXPECT_EQ(said["terms"][i]["symbols"], law.terms[i].symbols);
+    EXPECT_EQ(said["terms"][i]["source"], law.terms[i].source);
+  }
+  d.discovered_law->source.clear();
+  d.discovered_law->terms[0].law.clear();
+  d.discovered_law->terms[0].source.clear();
+  const json without = json::parse(report::to_json(d))["discovered_law"];
+  EXPECT_FALSE(without.contains("source"));
+  for (const char* key : {"equation", "symbols", "source"})
+    EXPECT_FALSE(without["terms"][0].contains(key)) << key;
+}
+
 TEST(ToJson, AbsentIsAbsent) {
   diagnose::Diagnosis d;
   d.effects.resize(1);
