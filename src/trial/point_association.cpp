@@ -251,17 +251,9 @@ void PointAssociator::follow(Instant& instant) {
   Eigen::MatrixXd cost = Eigen::MatrixXd::Constant(count, places + count, kForbidden);
   cost.leftCols(places) = at_places;
   cost.rightCols(count).diagonal().setConstant(square(limits_.gate_sds));
-  const std::vector<int> best = cheapest_assignment(cost);
-  const double least = total_cost(cost, best);
-  const auto least_without = [&cost](Eigen::Index row, Eigen::Index column) {
-    double own = kForbidden;
-    std::swap(cost(row, column), own);
-    const double total = total_cost(cost, cheapest_assignment(cost));
-    std::swap(cost(row, column), own);
-    return total;
-  };
+  const Assignment best = cheapest_assignment(cost);
   for (Eigen::Index row = 0; row < count; ++row) {
-    const int column = best[static_cast<std::size_t>(row)];
+    const int column = best.column_of_row[static_cast<std::size_t>(row)];
     const auto at = static_cast<std::size_t>(row);
     const bool is_body = at < rows.size();
     int& choice = is_body ? instant.choice[rows[at]] : instant.others[rivals[at - rows.size()]];
@@ -269,7 +261,7 @@ void PointAssociator::follow(Instant& instant) {
     if (column >= places) continue;
     const auto in_gate = [&](const auto& costs) { return (costs.array() < kForbidden).count(); };
     const bool contested = in_gate(cost.row(row).head(places)) > 1 || in_gate(cost.col(column)) > 1;
-    if (contested && least_without(row, column) - least < limits_.ambiguity) {
+    if (contested && rise_without(cost, best, row, limits_.ambiguity) < limits_.ambiguity) {
       if (is_body) outcomes_[rows[at]] = Outcome::kAmbiguous;
       continue;
     }
@@ -339,6 +331,8 @@ bool PointAssociator::holds(Instant& instant) {
         .value_or(std::numeric_limits<double>::infinity());
   };
   const double cost = cost_of(instant.choice);
+  // No cost is below 0: with so little there is none that is clearly better, and nothing to compare.
+  if (cost <= kClearlyBetter * limits_.ambiguity) return true;
   std::vector<std::size_t> to_blame;
   for (std::size_t body = 0; body < bodies_.size(); ++body) {
     if (instant.choice[body] < 0) continue;

@@ -45,6 +45,9 @@ struct AssociationLimits {
 /// 3. Known bodies that break the geometry (two too far apart), or that a free point fits far better, are
 ///    absent; when that lasts, everything is forgotten and found afresh, and restarts() says so.
 ///
+/// A frame with `max_points`, one body hidden and all others ghosts in its gate, takes one assignment and a
+/// shortest path per contended point (rise_without()): no point need be left out to bound its time.
+///
 /// A body of kind ring with MeasuredBody::markers of three or more is the centre of a marker cluster of
 /// radius MeasuredBody::marker_cluster_radius_m: any three of its points give it.
 class PointAssociator {

@@ -7,7 +7,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
+#include <utility>
 
 #include "trial/assignment.h"
 
@@ -115,20 +117,52 @@ Score run(const arm::Arm& arm, trial::PointAssociator& associator, const Faults&
   return score;
 }
 
+double total_cost(const Eigen::MatrixXd& cost, const std::vector<int>& column_of_row) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < column_of_row.size(); ++i)
+    sum += cost(static_cast<Eigen::Index>(i), column_of_row[i]);
+  return sum;
+}
+
+/// Least cost of all assignments; of those in which a row does not have a column, where one is given.
+double least_of_all(const Eigen::MatrixXd& cost, int row = -1, int column = -1) {
+  std::vector<int> order(static_cast<std::size_t>(cost.cols()));
+  std::iota(order.begin(), order.end(), 0);
+  double least = std::numeric_limits<double>::infinity();
+  do {
+    if (row >= 0 && order[static_cast<std::size_t>(row)] == column) continue;
+    least = std::min(least, total_cost(cost, {order.begin(), order.begin() + cost.rows()}));
+  } while (std::next_permutation(order.begin(), order.end()));
+  return least;
+}
+
+Eigen::MatrixXd random_costs(std::mt19937& random, int trial) {
+  std::uniform_real_distribution<double> unit(0.0, 10.0);
+  const int rows = 1 + trial % 5, columns = rows + trial % 3;
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return std::floor(unit(random)); });
+}
+
 TEST(Assignment, IsTheBestOfAllPermutations) {
   std::mt19937 random(3);
-  std::uniform_real_distribution<double> unit(0.0, 10.0);
   for (int trial = 0; trial < 200; ++trial) {
-    const int rows = 1 + trial % 5, columns = rows + trial % 3;
-    const Eigen::MatrixXd cost =
-        Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return std::floor(unit(random)); });
-    std::vector<int> order(static_cast<std::size_t>(columns));
-    for (int j = 0; j < columns; ++j) order[static_cast<std::size_t>(j)] = j;
-    double least = std::numeric_limits<double>::max();
-    do {
-      least = std::min(least, trial::total_cost(cost, {order.begin(), order.begin() + rows}));
-    } while (std::next_permutation(order.begin(), order.end()));
-    EXPECT_EQ(trial::total_cost(cost, trial::cheapest_assignment(cost)), least);
+    const Eigen::MatrixXd cost = random_costs(random, trial);
+    EXPECT_EQ(total_cost(cost, trial::cheapest_assignment(cost).column_of_row), least_of_all(cost));
+  }
+}
+
+TEST(Assignment, SaysWhatDoingWithoutAPairCosts) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::mt19937 random(4);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Eigen::MatrixXd cost = random_costs(random, trial);
+    const trial::Assignment best = trial::cheapest_assignment(cost);
+    const double least = least_of_all(cost);
+    for (int row = 0; row < static_cast<int>(cost.rows()); ++row) {
+      const int column = best.column_of_row[static_cast<std::size_t>(row)];
+      const double rise = least_of_all(cost, row, column) - least;
+      EXPECT_EQ(trial::rise_without(cost, best, row, kInfinity), rise) << cost << "\nrow " << row;
+      EXPECT_EQ(trial::rise_without(cost, best, row, 3.0) < 3.0, rise < 3.0) << cost << "\nrow " << row;
+    }
   }
 }
 
@@ -190,6 +224,69 @@ TEST(PointAssociation, AGhostThatPassesAHiddenRingIsNotTheRing) {
         EXPECT_TRUE(p || (i == 3 && std::abs(k - kHidden) < 12))
             << beside_m << " ring " << i << " frame " << k;
       }
+    }
+  }
+}
+
+/// Of a lattice of 25 mm those nearest to the arm, but none so near to where a ring is in these seconds.
+Points ghosts_about(const arm::Arm& arm, std::size_t count, double from_s, double to_s) {
+  constexpr double kApartM = 0.025;
+  Points paths;
+  for (double t = from_s; t <= to_s; t += 0.01)
+    for (const arm::MeasuredBody& body : arm.bodies)
+      paths.push_back(section(arm, body.arclength_m, t).translation());
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : paths) middle += p / static_cast<double>(paths.size());
+  Points ghosts;
+  for (int i = 0; i < 17 * 17 * 17; ++i) {
+    const Eigen::Vector3d ghost =
+        middle + kApartM * Eigen::Vector3d(i % 17 - 8.0, i / 17 % 17 - 8.0, i / 289 - 8.0);
+    const bool is_clear = std::all_of(
+        paths.begin(), paths.end(), [&](const Eigen::Vector3d& p) { return (p - ghost).norm() >= kApartM; });
+    if (is_clear) ghosts.push_back(ghost);
+  }
+  std::stable_sort(ghosts.begin(), ghosts.end(), [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return (a - middle).norm() < (b - middle).norm();
+  });
+  ghosts.resize(count);
+  return ghosts;
+}
+
+TEST(PointAssociation, NoneOfSixtyGhostsIsAHiddenRing) {
+  constexpr double kRateHz = 120.0;
+  constexpr int kFrames = 240, kGhostsEnter = 12;  // the arm is known by then
+  const arm::Arm arm = hanging_arm(4);
+  std::mt19937 random(6);
+  std::normal_distribution<double> noise(0.0, kNoiseM);
+  // For so short a time that it is predicted, and for so long that it is looked for.
+  for (const auto& [hidden, period] : {std::pair(6, 20), std::pair(30, 60)}) {
+    for (double from_s : {0.0, 0.5, 1.0, 1.5}) {
+      const Points ghosts = ghosts_about(arm, 60, from_s, from_s + kFrames / kRateHz);
+      trial::PointAssociator associator(arm);
+      for (int k = 0; k < kFrames; ++k) {
+        const double t = k / kRateHz;
+        const int hidden_ring = k % period >= period - hidden ? k / period % 4 : -1;
+        Points truth, points;
+        for (int i = 0; i < 4; ++i) {
+          truth.push_back(section(arm, kLengthM * (i + 1) / 4, from_s + t).translation());
+          if (i != hidden_ring) points.push_back(truth.back() + draw(random, noise));
+        }
+        for (std::size_t g = 0; g < ghosts.size() && k >= kGhostsEnter; ++g) {
+          const double phase = static_cast<double>(g);
+          points.push_back(ghosts[g] + 0.002 * Eigen::Vector3d(std::sin(2.0 * t + phase),
+                                                               std::cos(2.0 * t + phase),
+                                                               std::sin(1.3 * t + 2.0 * phase)));
+        }
+        std::shuffle(points.begin(), points.end(), random);
+        const auto found = associator.update(100.0 + t, points);
+        for (int i = 0; i < 4; ++i) {
+          const auto& p = found[static_cast<std::size_t>(i)];
+          ASSERT_EQ(p.has_value(), i != hidden_ring) << hidden << " " << from_s << " " << k << " " << i;
+          EXPECT_TRUE(!p || (*p - truth[static_cast<std::size_t>(i)]).norm() < 6.0 * kNoiseM)
+              << k << " " << i;
+        }
+      }
+      EXPECT_EQ(associator.restarts(), 0u);
     }
   }
 }
