@@ -28,6 +28,9 @@ ROWS = [
     ("frame_fit_extended_memory_ratio", "  one with memory", "x times", 4),
     ("mismatch_frame_120hz", "live monitor, one frame at 120 Hz", "us", 5),
     ("mismatch_frame_240hz", "  at 240 Hz", "us", 5),
+    ("association_frame", "unlabelled points of one frame to 4 rings", "us", None),
+    ("association_hidden_ring", "  60 ghosts, a ring hidden for 50 ms", "us", None),
+    ("association_hidden_ring_ratio", "  against 4 ghosts, none hidden", "x times", None),
     ("identify_30_trials_ms", "12 constants from 30 trials", "ms", 1000),
     ("diagnose_tidy_s", "softarm diagnose, nine trials, tidy", "s", 10),
     ("diagnose_untidy_s", "  untidy", "s", 10),
@@ -120,9 +123,10 @@ def main():
     figures = benchmarks(arguments.folder)
     if "identify_30_trials" in figures:
         figures["identify_30_trials_ms"] = figures.pop("identify_30_trials") / 1e3
-    for key in ("frame_fit_extended", "frame_fit_extended_memory"):
-        if key in figures and figures.get("frame_fit_warm"):
-            figures[f"{key}_ratio"] = figures[key] / figures["frame_fit_warm"]
+    for key, usual in (("frame_fit_extended", "frame_fit_warm"), ("frame_fit_extended_memory", "frame_fit_warm"),
+                       ("association_hidden_ring", "association_frame")):
+        if key in figures and figures.get(usual):
+            figures[f"{key}_ratio"] = figures[key] / figures[usual]
     figures.update(diagnoses(arguments.folder))
     rate = frames_per_second(arguments.folder)
     if rate is not None:
