@@ -24,6 +24,19 @@ inline ros::Time to_time(std::int64_t stamp_ns) {
   return ros::Time().fromNSec(static_cast<std::uint64_t>(std::max<std::int64_t>(0, stamp_ns)));
 }
 
+/// The same where the stamp is a driver's, of whatever epoch: the last time that there is (in 2106) where the
+/// stamp is later. to_time() throws there, as what is to be kept must not change.
+inline ros::Time nearest_time(std::int64_t stamp_ns) {
+  constexpr std::int64_t kLast_ns = (std::int64_t{1} << 32) * 1'000'000'000 - 1;
+  return to_time(std::min(stamp_ns, kLast_ns));
+}
+
+/// From a stamp to a time, s. Not by ros::Duration: it throws beyond 68 years, and stamps that count from
+/// 1900 (NTP) are 70 years off.
+inline double seconds_since(std::int64_t stamp_ns, const ros::Time& time) {
+  return trial::to_seconds(static_cast<std::int64_t>(time.toNSec()) - stamp_ns);
+}
+
 inline geometry_msgs::Point to_point(const Eigen::Vector3d& p) {
   geometry_msgs::Point point;
   point.x = p.x();

@@ -185,14 +185,15 @@ void EstimatorNode::handle(const trial::Frame& frame) {
 
 void EstimatorNode::publish(const estimate::Estimate& estimate, const trial::Frame& frame,
                             double solve_time_s) {
-  const MessageContext context{params_.arm, estimator_.options(), params_.frames, to_time(frame.stamp_ns)};
+  const MessageContext context{params_.arm, estimator_.options(), params_.frames,
+                               nearest_time(frame.stamp_ns)};
   const double stamp_s = frame.stamp_s();
   if (!publish_finite(estimate_publisher_, to_message(estimate, context, solve_time_s))) {
     ++statistics_.dropped["not_finite"];
     estimator_.reset();  // whatever led here must not warm-start the next frame
     return;
   }
-  statistics_.add(estimate, (ros::Time::now() - context.stamp).toSec(), solve_time_s, body_names_);
+  statistics_.add(estimate, seconds_since(frame.stamp_ns, ros::Time::now()), solve_time_s, body_names_);
 
   const bool ok = estimate.status == estimate::Status::kOk && !estimate.backbone.empty();
   if (ok) base_in_mocap_ = estimate.base_in_mocap;

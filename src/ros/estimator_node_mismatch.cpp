@@ -16,7 +16,7 @@ void EstimatorNode::watch(const trial::Frame& frame) {
   const bool was_alarm = mismatch_ && mismatch_->alarm;
   const estimate::Estimator::ByLaws plain = estimator_.by_laws();
   mismatch_ = &monitor_->add(plain.frame, plain.estimate);
-  const MessageContext context{params_.arm, estimator_.options(), params_.frames, to_time(frame.stamp_ns)};
+  const MessageContext context{params_.arm, estimator_.options(), params_.frames, nearest_time(frame.stamp_ns)};
   publish_finite(mismatch_publisher_, to_message(*mismatch_, context));
   if (mismatch_->alarm) {
     last_alarm_ = *mismatch_;

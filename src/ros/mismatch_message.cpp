@@ -90,7 +90,7 @@ softarm_estimator::Mismatch to_message(const monitor::Mismatch& mismatch, const 
   message.change = mismatch.change_sd;
   message.threshold = mismatch.threshold_sd;
   message.alarm = mismatch.alarm;
-  if (mismatch.onset_s) message.onset = ros::Time(std::max(0.0, *mismatch.onset_s));
+  if (mismatch.onset_s) message.onset = nearest_time(trial::to_nanoseconds(*mismatch.onset_s));
   message.kind = to_string(mismatch.kind);
   if (mismatch.or_kind) message.or_kind = to_string(*mismatch.or_kind);
   message.size = mismatch.size_m;

@@ -265,6 +265,16 @@ class Faults(unittest.TestCase):
         self.assertTrue(self.listener.wait(lambda: "waiting for" in shown(), 4.0), shown())
         self.assertRegex(shown(), r"no frames for \d+ s, waiting for /mocap/base/pose, .* more")
 
+    def test_o_stamps_of_another_epoch(self):
+        def since_1900(body, k, m):
+            m.header.stamp = rospy.Time(m.header.stamp.secs + 2208988800, m.header.stamp.nsecs)  # the bodies share it
+            return m
+
+        estimates = self.feed(480, since_1900)
+        self.assertGreaterEqual(len(estimates), 478)
+        self.assertGreater(estimates[-1].header.stamp.secs, 2208988800)
+        self.assertIn("another clock", self.listener.task("frames").message)
+
 
 if __name__ == "__main__":
     rostest.rosrun("softarm_estimator", "estimator_node_faults", Faults, sys.argv)

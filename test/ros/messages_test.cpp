@@ -7,10 +7,12 @@
 
 #include "arm/actuators/actuator.h"
 #include "ros/backbone_sampling.h"
+#include "ros/conversions.h"
 #include "ros/estimate_message.h"
 #include "ros/finite.h"
 #include "ros/labels.h"
 #include "ros/markers.h"
+#include "ros/mismatch_message.h"
 
 namespace softarm {
 namespace {
@@ -108,6 +110,25 @@ TEST(BackboneSampling, FollowsACircleBetweenItsPointsAndHoldsTheEnds) {
   EXPECT_EQ(backbone_at(estimate.backbone, 1.0).p_base, estimate.backbone.back().p_base);
   EXPECT_EQ(backbone_at(estimate.backbone, -1.0).p_base, estimate.backbone.front().p_base);
   EXPECT_EQ(resample_backbone(estimate.backbone, 33).size(), 33u);
+}
+
+/// Of a driver whose epoch is 1900, or nobody's: a node must live with what an assembler takes.
+TEST(Conversions, StampsOfAnotherEpochAreTimes) {
+  const ros::Time now(1796000000, 500000000);
+  constexpr std::int64_t kSince1900_ns = 2208988800LL * 1'000'000'000;
+  const auto now_ns = static_cast<std::int64_t>(now.toNSec());
+  EXPECT_EQ(nearest_time(now_ns), now);
+  EXPECT_DOUBLE_EQ(seconds_since(now_ns - 250'000'000, now), 0.25);
+  EXPECT_EQ(nearest_time(now_ns + kSince1900_ns).sec, 1796000000u + 2208988800u);
+  EXPECT_DOUBLE_EQ(seconds_since(now_ns + kSince1900_ns, now), -2208988800.0);
+  EXPECT_EQ(nearest_time(trial::Stamp(8.9e9).ns), ros::Time(0xFFFFFFFFu, 999999999u));
+  EXPECT_EQ(nearest_time(-5), ros::Time());
+  monitor::Mismatch mismatch;
+  mismatch.onset_s = 8.9e9;
+  Fixture f;
+  EXPECT_EQ(to_message(mismatch, f.context).onset, ros::Time(0xFFFFFFFFu, 999999999u));
+  mismatch.onset_s = -1.0;
+  EXPECT_TRUE(to_message(mismatch, f.context).onset.isZero());
 }
 
 TEST(AllFinite, FindsWhatIsNotFiniteHoweverDeep) {

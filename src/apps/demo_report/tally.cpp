@@ -8,6 +8,7 @@
 
 #include "math/statistics.h"
 #include "ros/backbone_sampling.h"
+#include "ros/conversions.h"
 
 namespace softarm {
 namespace {
@@ -95,7 +96,7 @@ void Tally::add(const ArmEstimate& estimate, ros::Time received, ros::WallTime w
   ++frames_;
   if (!first_) first_ = wall_time;
   last_ = wall_time;
-  latency_s_.push_back((received - estimate.header.stamp).toSec());
+  latency_s_.push_back(seconds_since(static_cast<std::int64_t>(estimate.header.stamp.toNSec()), received));
   newest_ = estimate;
   if (estimate.status != ArmEstimate::STATUS_OK) {
     Refused& refused = refused_[without_numbers(status_name(estimate))];
