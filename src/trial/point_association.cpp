@@ -83,7 +83,7 @@ const char* PointAssociator::name(Outcome outcome) {
   return "unknown";
 }
 
-/// Finite points, each once.
+/// Finite points, each once; of too many only so many as say that they are: a camera's cloud has 300,000.
 std::vector<Eigen::Vector3d> PointAssociator::distinct(const std::vector<Eigen::Vector3d>& points) const {
   std::vector<Eigen::Vector3d> good;
   for (const Eigen::Vector3d& p : points) {
@@ -91,6 +91,7 @@ std::vector<Eigen::Vector3d> PointAssociator::distinct(const std::vector<Eigen::
       return (other - p).norm() < limits_.min_spacing_m;
     });
     if (p.allFinite() && !known) good.push_back(p);
+    if (good.size() > limits_.max_points) break;
   }
   return good;
 }
@@ -148,7 +149,7 @@ std::vector<std::optional<Eigen::Vector3d>> PointAssociator::update(
   outcomes_.assign(bodies_.size(), Outcome::kNoPoint);
   if (good.size() > limits_.max_points) {
     outcomes_.assign(bodies_.size(), Outcome::kAmbiguous);
-    points_unused_ += good.size();
+    points_unused_ += points.size();
     return result;
   }
   Instant instant = instant_of(stamp_s, good, base_body);

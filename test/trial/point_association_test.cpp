@@ -338,6 +338,14 @@ TEST(PointAssociation, StartWithMissingAndStrangePoints) {
     for (int i = 0; i < 200; ++i) crowd.emplace_back(0.3 + 1e-3 * i, 0.1, 0.9);
     for (const auto& p : associator.update(1.3, crowd)) EXPECT_FALSE(p);
   }
+  {  // the cloud of a depth camera, on the wrong topic: each pair of its points would take minutes
+    trial::PointAssociator associator(arm);
+    Points cloud;
+    for (int i = 0; i < 300000; ++i) cloud.emplace_back(1e-3 * (i % 640), 1e-3 * (i / 640), 0.9);
+    for (const auto& p : associator.update(1.0, cloud)) EXPECT_FALSE(p);
+    EXPECT_EQ(associator.points_unused(), cloud.size());
+    EXPECT_EQ(associator.outcomes()[0], Outcome::kAmbiguous);
+  }
 }
 
 TEST(PointAssociation, WithoutTheBaseNothingIsGuessed) {
