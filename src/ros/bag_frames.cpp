@@ -104,8 +104,8 @@ void BagFrames::compare(const arm::Arm& arm) {
 }
 
 void BagFrames::deliver(const Callbacks& callbacks) {
-  const bool jumped = assembler_.take_time_jump();
-  if (jumped) callbacks.on_time_jump();
+  for (const trial::Frame& frame : assembler_.take_before_jump()) callbacks.on_frame(frame);
+  if (assembler_.take_time_jump()) callbacks.on_time_jump();
   for (const trial::Frame& frame : assembler_.take()) callbacks.on_frame(frame);
 }
 

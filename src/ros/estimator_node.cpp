@@ -138,13 +138,17 @@ void EstimatorNode::on_message(Source& source, const std_msgs::Header* header) {
 }
 
 void EstimatorNode::process() {
+  answer(assembler_.take_before_jump());
   if (assembler_.take_time_jump()) {
     ROS_WARN("time went back: starting afresh");
     estimator_.reset();
     if (monitor_) monitor_->reset();
     last_marker_s_.reset();
   }
-  std::vector<trial::Frame> frames = assembler_.take();
+  answer(assembler_.take());
+}
+
+void EstimatorNode::answer(std::vector<trial::Frame> frames) {
   const auto seconds = [start = std::chrono::steady_clock::now()] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };

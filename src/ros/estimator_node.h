@@ -64,6 +64,7 @@ class EstimatorNode {
   void drain();
   bool is_hiccup(std::uint64_t messages);
   void process();
+  void answer(std::vector<trial::Frame> frames);
   void handle(const trial::Frame& frame);
   void watch(const trial::Frame& frame);
   void publish(const estimate::Estimate& estimate, const trial::Frame& frame, double solve_time_s);

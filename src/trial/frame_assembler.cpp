@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -123,7 +124,14 @@ void FrameAssembler::count_rejected(const std::string& reason, const std::string
 
 std::vector<Frame> FrameAssembler::take() {
   close_ready();
-  return std::exchange(closed_, {});
+  std::vector<Frame> frames = take_before_jump();
+  std::move(closed_.begin(), closed_.end(), std::back_inserter(frames));
+  closed_.clear();
+  return frames;
+}
+
+std::vector<Frame> FrameAssembler::take_before_jump() {
+  return std::exchange(before_jump_, {});
 }
 
 void FrameAssembler::flush() {
@@ -132,8 +140,10 @@ void FrameAssembler::flush() {
 }
 
 void FrameAssembler::reset() {
-  if (!pending_.empty() || !closed_.empty()) dropped_frames_["reset"] += pending_.size() + closed_.size();
+  const std::size_t lost = pending_.size() + before_jump_.size() + closed_.size();
+  if (lost > 0) dropped_frames_["reset"] += lost;
   pending_.clear();
+  before_jump_.clear();
   closed_.clear();
   last_emitted_.reset();
   newest_s_.reset();

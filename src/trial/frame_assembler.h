@@ -90,8 +90,10 @@ class FrameAssembler {
   /// @param kg absent: unknown from now on
   void add_payload(Stamp stamp, std::optional<double> kg);
 
-  /// Closed frames in order of their stamps; each is returned once.
+  /// Closed frames in order of their stamps; each is returned once. Those of before a time jump come first.
   std::vector<Frame> take();
+  /// Those of before a time jump alone, where there are any: to be answered before the jump is.
+  std::vector<Frame> take_before_jump();
   /// True if take() would close a frame without a body or an input that has been on time until now. Who reads
   /// several sources, and has just been busy elsewhere, may have their messages at hand a moment later.
   bool gives_up() const;
@@ -102,7 +104,8 @@ class FrameAssembler {
   /// Forgets all but the payload and the counters.
   void reset();
 
-  /// True once after each time jump: the caller resets the estimator.
+  /// True once after each time jump: the caller resets the estimator, after take_before_jump() and before
+  /// take().
   bool take_time_jump();
 
   /// Samples rejected so far by reason ("nan", "absurd", "all_zero", "zero_quaternion", "bad_quaternion",
@@ -207,7 +210,7 @@ class FrameAssembler {
   std::vector<std::deque<Value>> inputs_;
   std::vector<Input> input_streams_;
   std::deque<Value> payload_;
-  std::vector<Frame> closed_;
+  std::vector<Frame> before_jump_, closed_;  // to be fetched
 
   std::optional<Eigen::Isometry3d> base_body_pose_;
   bool time_jump_ = false;

@@ -50,7 +50,7 @@ bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
 }
 
 void FrameAssembler::reset_time(double stamp_s) {
-  close_ready();
+  std::vector<Frame> frames = take();  // still to be fetched, they are good
   if (!pending_.empty()) dropped_frames_["time_jump"] += pending_.size();
   pending_.clear();
   std::vector<std::optional<double>> last;
@@ -60,11 +60,10 @@ void FrameAssembler::reset_time(double stamp_s) {
   inputs_.assign(inputs.size(), {});
   const std::vector<Input> input_streams = input_streams_;
   std::deque<Value> payload = payload_;
-  std::vector<Frame> closed = std::exchange(closed_, {});
 
   reset();
 
-  closed_ = std::move(closed);  // frames of the old time that are still to be fetched are good
+  before_jump_ = std::move(frames);
   for (std::size_t i = 0; i < streams_.size(); ++i) streams_[i].before_jump_s = last[i];
   newest_before_jump_s_ = newest;
   // Values that already belong to the new time stay: their topics may be ahead of the bodies.

@@ -137,6 +137,36 @@ TEST(FrameAssemblerTime, LoopOfABagIsOneJump) {
   EXPECT_GE(frames, 3u * 480u - 4u);
 }
 
+/// Who fetches frames now and then, with a jump in between, must reset between the right two of them.
+TEST(FrameAssemblerTime, FramesOfBeforeAJumpAreFetchedBeforeIt) {
+  for (bool when_taken : {false, true}) {
+    for (bool apart : {false, true}) {
+      trial::FrameAssembler::Params params = without_waiting();
+      params.close_when_taken = when_taken;
+      trial::FrameAssembler assembler(three_ring_arm(), params);
+      Feeder feed(assembler);
+      feed.frames(0, 480);
+      EXPECT_TRUE(assembler.take_before_jump().empty());
+      feed.frames(0, 240);
+      const auto before = apart ? assembler.take_before_jump() : std::vector<trial::Frame>();
+      EXPECT_TRUE(assembler.take_time_jump());
+      const auto frames = assembler.take();
+      if (!apart) {
+        ASSERT_GE(frames.size(), 479u + 238u);
+        EXPECT_EQ(frames.front().stamp_ns, trial::to_nanoseconds(feed.stamp(0)));
+        continue;
+      }
+      ASSERT_GE(before.size(), 479u);
+      ASSERT_GE(frames.size(), 238u);
+      EXPECT_EQ(before.front().stamp_ns, trial::to_nanoseconds(feed.stamp(0)));
+      EXPECT_GE(before.back().stamp_s(), feed.stamp(478) - 1e-9);
+      EXPECT_LE(frames.front().stamp_s(), feed.stamp(2) + 1e-9);
+      EXPECT_NEAR(frames.back().stamp_s(), feed.stamp(239), 1e-9);
+      EXPECT_TRUE(assembler.take().empty());
+    }
+  }
+}
+
 TEST(FrameAssemblerTime, LeftoversOfTheOldTimeAreNotANewTime) {
   trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
   Feeder feed(assembler);
