@@ -152,7 +152,8 @@ void MismatchMonitor::Impl::look_for_change() {
   const math::CholeskyFactor& factor = reference.innovation_covariance(usable, inertia);
   const double all = factor.whiten_vector(innovation).squaredNorm();
   const auto rows = 3.0 * static_cast<double>(std::count(usable.begin(), usable.end(), 1));
-  winner_valid = all > kPolicy.alarm.chance_chi2 * rows;
+  // Of many bodies together less than chance for each may be over the threshold: no alarm is without a name.
+  winner_valid = all > kPolicy.alarm.chance_chi2 * rows || all - rows > std::pow(params.threshold_sd, 2);
   if (!winner_valid) {
     mismatch.change_sd = std::sqrt(std::max(0.0, all - rows));
     return;

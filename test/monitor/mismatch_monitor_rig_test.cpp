@@ -66,6 +66,29 @@ TEST(MismatchOnTheRig, ASlippedRingIsNamedWithinHalfASecond) {
   }
 }
 
+/// Also where all bodies together are over a low threshold, and none of them much.
+TEST(MismatchOnTheRig, EveryAlarmHasAKindAndAnOnset) {
+  const arm::Arm arm = shipped_arm("online_200mm");
+  monitor::MismatchMonitorParams params;
+  params.threshold_sd = 3.0;
+  std::size_t alarms = 0;
+  for (const char* along_m : {"0.0003", "0.0005", "0.001"}) {
+    rig::Scenario scenario = demo_scenario(
+        std::string("{effect: marker_slip, body: 2, from_s: 10, along_m: ") + along_m + "}", 16.0, 120.0, 7);
+    scenario.payload.schedule.resize(1);
+    scenario.payload.repeat_s = 0.0;
+    const Watched watched = watch(arm, scenario, params);
+    alarms += watched.alarms.size();
+    for (const Alarm& alarm : watched.alarms) {
+      EXPECT_NE(alarm.first.kind, monitor::ChangeKind::kNone) << along_m << " " << alarm.at_s;
+      ASSERT_TRUE(alarm.first.onset_s) << along_m << " " << alarm.at_s;
+      EXPECT_LE(*alarm.first.onset_s - kEpoch_s, alarm.at_s) << along_m;
+      EXPECT_GT(*alarm.first.onset_s - kEpoch_s, alarm.at_s - 2.5) << along_m;
+    }
+  }
+  EXPECT_GT(alarms, 0u);
+}
+
 TEST(MismatchOnTheRig, AContactIsSeenWithinHalfASecondAndAtItsPlace) {
   const arm::Arm arm = shipped_arm("online_200mm");
   struct Case {
