@@ -1,6 +1,7 @@
 // Inputs and payload: what held at the stamp of a frame.
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -56,8 +57,9 @@ void FrameAssembler::add_payload(Stamp stamp, std::optional<double> kg) {
 
 void FrameAssembler::insert(std::deque<Value>& history, const Value& value) {
   if (!history.empty() && value.stamp.s < history.back().stamp.s - params_.time_jump_s) history.clear();
-  const auto after =
-      std::find_if(history.begin(), history.end(), [&](const Value& v) { return v.stamp.s > value.stamp.s; });
+  // Nearly always the last. While no body comes the history is long: it is not searched from its begin.
+  auto after = history.end();
+  while (after != history.begin() && std::prev(after)->stamp.s > value.stamp.s) --after;
   history.insert(after, value);
   if (history.size() > kLongestHistory) history.pop_front();
 }
