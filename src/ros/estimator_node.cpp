@@ -73,7 +73,7 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
   updater_.add("inputs", this, &EstimatorNode::diagnose_inputs);
   updater_.add("fit", this, &EstimatorNode::diagnose_fit);
   updater_.add("mismatch", this, &EstimatorNode::diagnose_mismatch);
-  period_start_ = second_start_ = ros::WallTime::now();
+  period_start_ = second_start_ = ros::SteadyTime::now();
   // Wall time: diagnostics must also come when simulated time stands still.
   diagnostics_timer_ = nh_.createWallTimer(ros::WallDuration(1.0),
                                            [this](const ros::WallTimerEvent&) { on_diagnostics_timer(); });
@@ -97,11 +97,11 @@ void EstimatorNode::spin() {
 }
 
 bool EstimatorNode::is_hiccup(std::uint64_t messages) {
-  const double elapsed_s = (ros::WallTime::now() - second_start_).toSec();
+  const double elapsed_s = (ros::SteadyTime::now() - second_start_).toSec();
   messages_of_second_ += messages;
   if (elapsed_s >= 1.0) {
     messages_per_s_ = static_cast<double>(std::exchange(messages_of_second_, 0)) / elapsed_s;
-    second_start_ = ros::WallTime::now();
+    second_start_ = ros::SteadyTime::now();
   }
   const std::optional<double> before_s = std::exchange(drained_to_s_, assembler_.newest_s());
   const bool leapt = drained_to_s_ && !(before_s && std::abs(*drained_to_s_ - *before_s) < kHiccup_s);
@@ -116,10 +116,10 @@ void EstimatorNode::drain() {
   // may be decoded last. Where much has piled up, and where a stream begins, it gets the time to read them
   // all: a frame must not be closed in vain while its bodies wait in a socket.
   ros::CallbackQueue& queue = *ros::getGlobalCallbackQueue();
-  const ros::WallTime give_up = ros::WallTime::now() + ros::WallDuration(kGiveUp_s);
+  const ros::SteadyTime give_up = ros::SteadyTime::now() + ros::WallDuration(kGiveUp_s);
   for (int round = 0; ros::ok(); ++round) {
     const bool hiccup = is_hiccup(std::exchange(messages_, 0));
-    const bool in_vain = !overload_.lasts() && assembler_.gives_up() && ros::WallTime::now() < give_up;
+    const bool in_vain = !overload_.lasts() && assembler_.gives_up() && ros::SteadyTime::now() < give_up;
     if (!in_vain && (round >= kHiccupRounds || (!hiccup && queue.isEmpty()))) return;
     queue.callAvailable(ros::WallDuration(hiccup || in_vain ? kHiccupGrace_s : 0.0));
   }
@@ -152,7 +152,7 @@ void EstimatorNode::answer(std::vector<trial::Frame> frames) {
   const auto seconds = [start = std::chrono::steady_clock::now()] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   };
-  const std::size_t stride = overload_.stride(frames.size(), ros::WallTime::now().toSec());
+  const std::size_t stride = overload_.stride(frames.size(), ros::SteadyTime::now().toSec());
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if ((frames.size() - 1 - i) % stride == 0) {
       const double before_s = seconds();
@@ -183,8 +183,9 @@ void EstimatorNode::handle(const trial::Frame& frame) {
   }
   const std::chrono::duration<double> solve_time = std::chrono::steady_clock::now() - start;
   // First: what is drawn of this frame has its mismatch in it.
-  watch(frame);
+  const bool alarm_changed = watch(frame);
   publish(*estimate, frame, solve_time.count());
+  if (alarm_changed) on_diagnostics_timer();  // at once: half a second counts
 }
 
 void EstimatorNode::publish(const estimate::Estimate& estimate, const trial::Frame& frame,

@@ -38,8 +38,8 @@ namespace softarm {
 /// 6. Once a second, and when an alarm of the monitor begins or ends, /diagnostics says what arrives, what
 /// was rejected and why, how the fit does, and whether the arm does what its laws say.
 ///
-/// No message with a NaN or infinity leaves: it is held back and counted. Wall-clock time is only used to
-/// measure rates and solve times. All callbacks must run in one thread.
+/// No message with a NaN or infinity leaves: it is held back and counted. A clock, one that nobody sets, only
+/// measures rates and solve times. All callbacks must run in one thread.
 class EstimatorNode {
  public:
   /// Services: ~reset, ~set_payload, ~set_mode.
@@ -66,7 +66,7 @@ class EstimatorNode {
   void process();
   void answer(std::vector<trial::Frame> frames);
   void handle(const trial::Frame& frame);
-  void watch(const trial::Frame& frame);
+  bool watch(const trial::Frame& frame);
   void publish(const estimate::Estimate& estimate, const trial::Frame& frame, double solve_time_s);
   template <class Message>
   bool publish_finite(ros::Publisher& publisher, const Message& message);
@@ -105,7 +105,7 @@ class EstimatorNode {
   Overload overload_;
   std::uint64_t messages_of_second_ = 0;  // since second_start_
   double messages_per_s_ = 0.0;           // in the second before
-  ros::WallTime second_start_;
+  ros::SteadyTime second_start_;
 
   ros::Publisher estimate_publisher_, markers_publisher_, path_publisher_, mismatch_publisher_;
   tf2_ros::TransformBroadcaster tf_;
@@ -118,7 +118,7 @@ class EstimatorNode {
   NodeStatistics statistics_;
   diagnostic_updater::Updater updater_;
   ros::WallTimer diagnostics_timer_;
-  ros::WallTime period_start_;
+  ros::SteadyTime period_start_;
   double period_s_ = 1.0;
   double silent_s_ = 0.0;  // wall time without a frame
   std::map<std::string, std::uint64_t> rejected_before_, dropped_before_;

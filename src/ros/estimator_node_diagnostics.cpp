@@ -47,7 +47,7 @@ std::string list(const Counts& counts) {
 }  // namespace
 
 void EstimatorNode::on_diagnostics_timer() {
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::SteadyTime now = ros::SteadyTime::now();
   period_s_ = std::max(1e-3, (now - period_start_).toSec());
   period_start_ = now;
   silent_s_ = statistics_.period.frames > 0 ? 0.0 : silent_s_ + period_s_;

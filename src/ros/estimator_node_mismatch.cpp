@@ -11,24 +11,26 @@ namespace softarm {
 using diagnostic_msgs::DiagnosticStatus;
 using monitor::Mismatch;
 
-void EstimatorNode::watch(const trial::Frame& frame) {
-  if (!monitor_) return;
+/// @return whether an alarm has begun or ended
+bool EstimatorNode::watch(const trial::Frame& frame) {
+  if (!monitor_) return false;
   const bool was_alarm = mismatch_ && mismatch_->alarm;
   const estimate::Estimator::ByLaws plain = estimator_.by_laws();
   mismatch_ = &monitor_->add(plain.frame, plain.estimate);
-  const MessageContext context{params_.arm, estimator_.options(), params_.frames, nearest_time(frame.stamp_ns)};
+  const MessageContext context{params_.arm, estimator_.options(), params_.frames,
+                               nearest_time(frame.stamp_ns)};
   publish_finite(mismatch_publisher_, to_message(*mismatch_, context));
   if (mismatch_->alarm) {
     last_alarm_ = *mismatch_;
     alarms_ += !was_alarm;
   }
-  if (mismatch_->alarm == was_alarm) return;
+  if (mismatch_->alarm == was_alarm) return false;
   if (mismatch_->alarm) {
     ROS_WARN("mismatch: %s", mismatch_->description.c_str());
   } else {
     ROS_INFO("mismatch: the alarm is over");
   }
-  on_diagnostics_timer();  // at once: half a second counts
+  return true;
 }
 
 void EstimatorNode::diagnose_mismatch(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -123,7 +123,9 @@ void MasterWatch::look() {
   if (call("lookupNode", {name, name}, uri) && uri.getType() == XmlRpc::XmlRpcValue::TypeString &&
       static_cast<std::string>(uri) == ros::XMLRPCManager::instance()->getServerURI())
     return;
-  if (!ros::ok() || !ros::master::check()) return;  // it is this node, or the master, that ends
+  // It is this node, or the master, that ends. ros::ok() only says so once all topics have been taken back:
+  // registered again, they would stay behind.
+  if (ros::isShuttingDown() || !ros::master::check()) return;
   if (register_again(services_)) {
     ROS_WARN("the roscore was restarted: registered with it again");
   } else {
