@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -258,15 +259,22 @@ class Mixture {
 void add_unknowns(const Expansions& about, const std::vector<Search::Model>& models, const EvidenceData& data,
                   Posterior& result) {
   const auto is_about_the_fit = [&](const Search::Model& m) { return about.of(m.effects).front() == 0; };
-  double best = 0.0;
-  for (const Search::Model& m : models)
-    if (is_about_the_fit(m)) best = std::max(best, m.probability);
+  double best = 0.0, best_log = -std::numeric_limits<double>::infinity();
+  for (const Search::Model& m : models) {
+    if (!is_about_the_fit(m)) continue;
+    best = std::max(best, m.probability);
+    best_log = std::max(best_log, m.log);
+  }
+  // Beside a refit that is far more probable all of them may be less than a double can say: then by their
+  // evidence itself.
+  const bool said = best >= std::numeric_limits<double>::min();
   const auto unknowns = static_cast<Eigen::Index>(data.unknowns.size());
   Mixture all(unknowns);
   std::vector<Mixture> on_its_law(data.done.size(), Mixture(unknowns));
   for (const Search::Model& m : models) {
-    const double weight = m.probability;
-    if (!is_about_the_fit(m) || !(weight > kLeastWeight * best)) continue;
+    if (!is_about_the_fit(m)) continue;
+    const double weight = said ? m.probability / best : std::exp(m.log - best_log);
+    if (!(weight > kLeastWeight)) continue;
     const LinearGaussianModel& linear = about.model(0);
     const NormalEquations sums = linear.normal_equations(m.marginal.noise);
     all.add(weight, linear.estimate(sums, m.effects, m.background));

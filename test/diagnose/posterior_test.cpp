@@ -299,6 +299,20 @@ TEST(Posterior, BesideARefitOthersDoWhatTheyDoAboutIt) {
   EXPECT_LT(p.of(beside), 0.1);
 }
 
+// Beside a refit that leaves nothing, sets about the fit have probabilities that no double can say.
+TEST(Posterior, UnknownsOfTheFitAreKnownHoweverProbableARefitIs) {
+  std::mt19937_64 random(14);
+  EvidenceData data = made_up(90, 6, 12, 1.0, random);
+  RefitEvidence refit{data.effects[4].effect, data};
+  refit.data.effects.clear();
+  refit.data.unknowns.push_back({nullptr, 0.0, 5.0, data.effects[4].moves});
+  data.residual *= 1e4;
+  const Posterior p = posterior(data, {refit}, 1);
+  EXPECT_GT(p.of(refit.effect), 0.999);
+  ASSERT_EQ(p.unknowns.mean.size(), 2);
+  EXPECT_TRUE(p.unknowns.mean.allFinite() && p.unknowns.covariance.allFinite());
+}
+
 // Usual sizes may move the bodies by sixty times the noise: a hundredth of one is then seen, and is no
 // background where all the others are smaller than a thousandth.
 TEST(Posterior, ASmallShareOfAUsualSizeIsNamedWhereAllElseIsRight) {
