@@ -120,7 +120,8 @@ struct Policy {
     double least_white = 0.3;         ///< of the stated variance, at least: by more nobody overstates a noise
     std::size_t most_instants = 300;  ///< or groups of neighbouring ones: the cost goes with its square
     long fewest_instants = 20;        ///< with fewer nothing is said
-    /// Into which the recordings are resampled, trial by trial: fewer trials are cut into equal pieces.
+    /// Of the recordings, that are weighed anew in a resample: trials, or where these are fewer equal pieces
+    /// of each.
     std::size_t fewest_units = 6;
     std::size_t most_effects = 3, leaders = 5, grown_from = 2;  ///< of the search for sets, upon one fit
     double beside = 8.0;  ///< fall of the log evidence beyond which a background is not looked at
@@ -299,7 +300,7 @@ struct Policy {
     double left_out_share = 0.1;  ///< of the recordings, beyond which the verdict's line says it
     /// Ratio of a gain or a stiffness to the arm file's beyond which the file is asked about: an arm differs
     /// from its file by less, if the file is of it and its inputs are. In the whole proof it was said of none
-    /// of 664 simulated cases, and of 6 of 71 with recordings of pouch arms.
+    /// of 662 simulated cases, and of 6 of 71 with recordings of pouch arms.
     double far = 2.0;
     double far_sd = 3.0;  ///< standard deviations by which that must be sure
     double worse = 1.05;  ///< ratio of a trial's mean errors beyond which it is said to be predicted worse

@@ -11,7 +11,7 @@ namespace softarm::diagnose {
 /// Effects of the catalogue that are there together, and how probable just these are.
 struct EffectSet {
   EffectList effects;
-  double probability = 0.0;
+  double probability = 0.0;  ///< averaged over resamples of the trials
 };
 
 struct Posterior {
@@ -46,6 +46,8 @@ struct RefitEvidence {
 /// shares and sizes are those of greatest likelihood under each set. All coefficients are integrated out.
 /// Sets grow from the best by one effect at a time. Effects are not linear: sets with one that was refitted
 /// are judged about its own fit (Laplace), those with several about the fit of theirs that suits them best.
+/// Sets are found by all trials; how probable each is, is averaged over resamples
+/// (averaged_over_resamples()).
 Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs);
 
 }  // namespace softarm::diagnose
