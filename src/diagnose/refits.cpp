@@ -369,7 +369,8 @@ void compare(const Standing& current, const Posterior& posterior, std::vector<Re
     r.gain = 0.5 * fall / phi;
     r.moved_m = moved_m(current.unseen, r.unseen);
     r.elsewhere = gains_elsewhere(current.unseen, r.unseen);
-    r.probability = posterior.of(r.effect) * r.elsewhere;
+    // Both over the same resamples: where the one fails, so does the other.
+    r.probability = std::min(posterior.of(r.effect), r.elsewhere);
   }
   std::stable_sort(refitted.begin(), refitted.end(),
                    [](const Refitted& a, const Refitted& b) { return a.gain > b.gain; });

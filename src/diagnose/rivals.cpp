@@ -48,7 +48,7 @@ int best_of(const JointModel& model, const Round& round) {
   int best = -1;
   for (std::size_t i = 0; i < round.refitted.size(); ++i) {
     const Refitted& r = round.refitted[i];
-    if (of_class(round, r.effect) * r.elsewhere < kPolicy.posterior.named ||
+    if (std::min(of_class(round, r.effect), r.elsewhere) < kPolicy.posterior.named ||
         r.probability < kPolicy.posterior.rival || !r.physical || r.moved_m < trivial_m(model))
       continue;
     // A fit that did not come to an end says too little of its effect, not too much.

@@ -26,7 +26,7 @@ struct Refitted {
   double z = 0.0;            ///< sqrt of the fall of chi^2 on unseen trials over the inflation
   double gain = 0.0;         ///< that fall over twice the inflation: of the log score
   double elsewhere = 0.0;    ///< probability of a gain in other trials like these
-  double probability = 0.0;  ///< of the round's posterior, times that
+  double probability = 0.0;  ///< of the round's posterior, and no more than that
   double moved_m = 0.0;      ///< root of the fall of the mean square error on unseen trials
   bool physical = true;      ///< not at the end of its range
   bool converged = true;     ///< its fit came to an end
