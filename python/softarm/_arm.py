@@ -110,7 +110,10 @@ class Arm:
 
     @property
     def effects(self) -> List[Dict[str, Any]]:
-        """The effects that the file names, each {"id": ..., "numbers": {name with unit: value}}. Empty for most arms."""
+        """The effects that the file names, each {"id": ..., "numbers": {name with unit: value}}. Empty for most arms.
+
+        Estimates include the numbers' errors: "effects" (sd) and "effects_correlations" of :meth:`keys`.
+        """
         return self._handle.effects()
 
     def with_constants(self, values: Mapping[str, float]) -> "Arm":

@@ -4,8 +4,39 @@
 #include <algorithm>
 
 #include "arm_parts.h"
+#include "edit_distance.h"
+#include "effect_correlations.h"
 
 namespace softarm::arm::yaml {
+namespace {
+
+/// Puts them into the entries.
+void read_correlations(const Section& arm, std::vector<EffectEntry>& entries) {
+  const std::vector<EffectNumberAt> uncertain = uncertain_numbers(entries);
+  std::vector<std::string> names;
+  for (const EffectNumberAt& at : uncertain)
+    names.push_back(name_in_file(entries, at.entry, entries[at.entry].numbers[at.number].name));
+  const auto named = [&](const Section& row, const char* key, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) {
+      const std::optional<std::string> near = nearest_word(name, names);
+      row.fail(key, fmt::format("{} is no parameter with a standard deviation (sd) of these effects{}", name,
+                                near ? fmt::format("; did you mean '{}'?", *near) : ""));
+    }
+    return uncertain[static_cast<std::size_t>(found - names.begin())];
+  };
+  for (const Section& row : arm.list("effects_correlations", correlation_keys())) {
+    const EffectNumberAt of = named(row, "of", row.name("of", "."));
+    for (const auto& [name, value] : row.numbers("with", ".")) {
+      const EffectNumberAt with = named(row, "with", name);
+      entries[of.entry].numbers[of.number].correlations.push_back(
+          {with.entry, entries[with.entry].numbers[with.number].name, value, row.place()});
+    }
+  }
+  correlated_numbers(entries);  // refuses what cannot be
+}
+
+}  // namespace
 
 std::vector<EffectEntry> read_effects(const Section& arm) {
   std::vector<EffectEntry> list;
@@ -25,6 +56,7 @@ std::vector<EffectEntry> read_effects(const Section& arm) {
     }
     list.push_back(std::move(entry));
   }
+  read_correlations(arm, list);
   return list;
 }
 

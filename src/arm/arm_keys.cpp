@@ -47,6 +47,9 @@ const KeyTable& arm_keys() {
        list("effects", kMostOfATable, "[]",
             "physics beyond these laws that the model includes, as `softarm diagnose` found it; `softarm "
             "diagnose --effects` lists ids, parameters and ranges"),
+       list("effects_correlations", kMostOfATable, "[]",
+            "how errors of the effects' parameters go together, as `softarm diagnose` found it; a pair that "
+            "is not given has the correlation 0"),
        word("effects_verdict", {"consistent", "explained", "partly_explained", "unknown", "cannot_tell"},
             kAbsent,
             "verdict of the diagnosis that found the effects; with `unknown` something else is there, too, "
@@ -203,6 +206,18 @@ const KeyTable& effect_keys() {
   return table;
 }
 
+const KeyTable& correlation_keys() {
+  static const KeyTable table{
+      "effects_correlations[]",
+      {text("of", kRequired,
+            "a parameter with an `sd`: creep.share; where the effect stands there several times with its "
+            "number, marker_slip.2.x_m"),
+       other("with", KeyKind::kNumbers, kRequired,
+             "other such parameters with their correlations in [-1, 1], each pair once; all together those "
+             "of a covariance")}};
+  return table;
+}
+
 std::vector<const KeyTable*> all_key_tables() {
   std::vector<const KeyTable*> all{&arm_keys(),       &base_keys(),    &fixed_base_keys(),
                                    &transform_keys(), &segment_keys(), &stiffness_keys()};
@@ -214,7 +229,7 @@ std::vector<const KeyTable*> all_key_tables() {
   for (const ActuatorKind* kind : actuator_kinds()) append(kind->segment_tables());
   append({&payload_keys(), &noise_keys(), &body_keys(), &labelled_marker_keys(), &inputs_keys(),
           &body_input_keys(), &base_input_keys(), &pressure_input_keys(), &tension_input_keys(),
-          &angle_input_keys(), &estimator_keys(), &prior_keys(), &effect_keys()});
+          &angle_input_keys(), &estimator_keys(), &prior_keys(), &effect_keys(), &correlation_keys()});
   return all;
 }
 

@@ -69,6 +69,7 @@ const KeyTable& angle_input_keys();
 const KeyTable& estimator_keys();
 const KeyTable& prior_keys();
 const KeyTable& effect_keys();
+const KeyTable& correlation_keys();
 
 /// All of them, in the order of the document.
 std::vector<const KeyTable*> all_key_tables();

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "actuators/actuator.h"
+#include "effect_correlations.h"
 #include "softarm/arm/arm_file.h"
 #include "yaml_editor.h"
 
@@ -129,14 +130,35 @@ std::string without_header(std::string text) {
 }
 
 bool same_effects(const std::vector<EffectEntry>& a, const std::vector<EffectEntry>& b) {
-  const auto same_number = [](const EffectNumber& x, const EffectNumber& y) {
+  const auto same_correlation = [](const EffectCorrelation& x, const EffectCorrelation& y) {
+    return x.entry == y.entry && x.number == y.number && same(x.value, y.value);
+  };
+  const auto same_number = [&](const EffectNumber& x, const EffectNumber& y) {
     return x.name == y.name && same(x.value, y.value) && x.sd.has_value() == y.sd.has_value() &&
-           (!x.sd || same(*x.sd, *y.sd));
+           (!x.sd || same(*x.sd, *y.sd)) &&
+           std::equal(x.correlations.begin(), x.correlations.end(), y.correlations.begin(),
+                      y.correlations.end(), same_correlation);
   };
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](const EffectEntry& x, const EffectEntry& y) {
     return x.id == y.id &&
            std::equal(x.numbers.begin(), x.numbers.end(), y.numbers.begin(), y.numbers.end(), same_number);
   });
+}
+
+/// A row per number that has some.
+std::string correlations_of(const std::vector<EffectEntry>& effects) {
+  std::string rows;
+  for (std::size_t e = 0; e < effects.size(); ++e) {
+    for (const EffectNumber& n : effects[e].numbers) {
+      std::string with;
+      for (const EffectCorrelation& c : n.correlations)
+        with +=
+            (with.empty() ? "" : ", ") + name_in_file(effects, c.entry, c.number) + ": " + number(c.value);
+      if (!with.empty())
+        rows += fmt::format("  - {{of: {}, with: {{{}}}}}\n", name_in_file(effects, e, n.name), with);
+    }
+  }
+  return rows.empty() ? "" : "effects_correlations:  # of the errors of parameters with an sd\n" + rows;
 }
 
 std::string section_of(const std::vector<EffectEntry>& effects, const std::optional<std::string>& verdict) {
@@ -153,7 +175,7 @@ std::string section_of(const std::vector<EffectEntry>& effects, const std::optio
     text += fmt::format("  - id: {}\n    parameters: {{{}}}\n", effect.id, values);
     if (!sds.empty()) text += fmt::format("    sd: {{{}}}\n", sds);
   }
-  return text;
+  return text + correlations_of(effects);
 }
 
 /// The text without one of its topmost keys.
@@ -168,10 +190,11 @@ std::string without_key(std::string text, const std::string& key) {
   return text.erase(from, to - from);
 }
 
-/// The text with other sections `effects_verdict` and `effects`, at its end.
+/// The text with other sections of effects, at its end.
 std::string with_effects(std::string text, const std::vector<EffectEntry>& effects,
                          const std::optional<std::string>& verdict) {
-  text = without_key(without_key(std::move(text), "effects"), "effects_verdict");
+  for (const char* key : {"effects", "effects_verdict", "effects_correlations"})
+    text = without_key(std::move(text), key);
   if (!text.empty() && text.back() != '\n') text += '\n';
   return text + section_of(effects, verdict);
 }
@@ -187,6 +210,7 @@ std::string update_arm_text(const std::string& text, const std::string& source, 
                             const std::vector<EffectEntry>& effects, const std::vector<std::string>& header,
                             const std::string& program, const std::optional<std::string>& verdict) {
   const Arm read = parse_arm(text, source);
+  correlated_numbers(effects);  // before they are written: they may be from anywhere
   if (!same_structure(read, arm))
     throw ArmError(source + ": describes another arm than the one to be written");
   Editor editor(without_header(text), source);

@@ -69,6 +69,12 @@ bool is_letter(char c) {
 bool is_name_char(char c) {
   return is_letter(c) || (c >= '0' && c <= '9') || c == '_';
 }
+/// @param also characters allowed after the first
+bool is_name(const std::string& word, const std::string& also) {
+  return !word.empty() && is_letter(word.front()) && std::all_of(word.begin(), word.end(), [&also](char c) {
+    return is_name_char(c) || also.find(c) != std::string::npos;
+  });
+}
 
 }  // namespace
 
@@ -233,10 +239,7 @@ std::string Section::text(const std::string& key) const {
 
 std::string Section::name(const std::string& key, const std::string& also) const {
   std::string name = text(key);
-  const bool legal = is_letter(name.front()) && std::all_of(name.begin(), name.end(), [&also](char c) {
-                       return is_name_char(c) || also.find(c) != std::string::npos;
-                     });
-  if (!legal) {
+  if (!is_name(name, also)) {
     fail(key, fmt::format("value '{}' is not a name: a letter, then letters, digits or any of '_{}'",
                           one_line(name), also));
   }
@@ -264,7 +267,8 @@ std::string Section::topic(const std::string& key, const std::string& placeholde
   return topic;
 }
 
-std::vector<std::pair<std::string, double>> Section::numbers(const std::string& key) const {
+std::vector<std::pair<std::string, double>> Section::numbers(const std::string& key,
+                                                             const std::string& also) const {
   const YAML::Node node = value(key);
   std::vector<std::pair<std::string, double>> list;
   if (!node.IsMap()) fail_value(key, "is not a section of names with a number each");
@@ -273,9 +277,8 @@ std::vector<std::pair<std::string, double>> Section::numbers(const std::string& 
     if (!entry.first.IsScalar()) fail_at(line, path_of(key), "a key must be a word");
     const std::string name = entry.first.Scalar();
     const std::string path = path_of(key) + "." + one_line(name);
-    const bool legal =
-        !name.empty() && is_letter(name.front()) && std::all_of(name.begin(), name.end(), is_name_char);
-    if (!legal) fail_at(line, path, "is not a name: a letter, then letters, digits or '_'");
+    if (!is_name(name, also))
+      fail_at(line, path, fmt::format("is not a name: a letter, then letters, digits or any of '_{}'", also));
     const bool twice =
         std::any_of(list.begin(), list.end(), [&](const auto& one) { return one.first == name; });
     if (twice) fail_at(line, path, "is given twice");

@@ -44,7 +44,8 @@ class Section {
 
   Section section(const std::string& key, const KeyTable& table) const;
   /// Names with a finite number each, in their order. Names are as name() wants them.
-  std::vector<std::pair<std::string, double>> numbers(const std::string& key) const;
+  std::vector<std::pair<std::string, double>> numbers(const std::string& key,
+                                                      const std::string& also = "") const;
 
   /// One section per element; not more than the table allows.
   std::vector<Section> list(const std::string& key, const KeyTable& table) const;

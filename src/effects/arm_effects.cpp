@@ -8,6 +8,7 @@
 #include <string>
 
 #include "arm/edit_distance.h"
+#include "arm/effect_correlations.h"
 #include "catalogue.h"
 #include "drives.h"
 #include "softarm/arm/arm_file.h"
@@ -89,11 +90,34 @@ model::Present present_of(const arm::Arm& arm, const arm::EffectEntry& entry, st
   return {effect, values, {}, sd};
 }
 
+Eigen::Index parameter_named(const model::Present& present, const std::string& name) {
+  const std::vector<model::Parameter>& parameters = present.effect->info().parameters;
+  const auto found =
+      std::find_if(parameters.begin(), parameters.end(),
+                   [&](const model::Parameter& parameter) { return parameter.symbol == name; });
+  return found - parameters.begin();
+}
+
+/// Puts the entries' correlations into their effects.
+void correlate(const std::vector<arm::EffectEntry>& entries, std::vector<model::Present>& effects) {
+  const arm::CorrelatedNumbers all = arm::correlated_numbers(entries);
+  if (all.numbers.empty()) return;
+  for (model::Present& present : effects)
+    present.correlated = Eigen::MatrixXd::Zero(present.values.size(), all.rows.cols());
+  for (std::size_t i = 0; i < all.numbers.size(); ++i) {
+    const arm::EffectNumberAt& at = all.numbers[i];
+    model::Present& present = effects[at.entry];
+    const std::string& name = entries[at.entry].numbers[at.number].name;
+    present.correlated.row(parameter_named(present, name)) = all.rows.row(static_cast<Eigen::Index>(i));
+  }
+}
+
 }  // namespace
 
 std::vector<model::Present> effects_of(const arm::Arm& arm, const std::vector<arm::EffectEntry>& entries) {
   std::vector<model::Present> list;
   for (std::size_t i = 0; i < entries.size(); ++i) list.push_back(present_of(arm, entries[i], i));
+  correlate(entries, list);
   return list;
 }
 
@@ -130,6 +154,25 @@ arm::EffectEntry entry_of(const model::Present& present, const std::optional<mod
     entry.numbers.push_back(std::move(number));
   }
   return entry;
+}
+
+std::vector<arm::EffectEntry> entries_of(const std::vector<model::Present>& effects) {
+  std::vector<arm::EffectEntry> entries;
+  for (const model::Present& present : effects) entries.push_back(entry_of(present));
+  const std::vector<arm::EffectNumberAt> numbers = arm::uncertain_numbers(entries);
+  // A number of an entry is a parameter of its effect.
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const arm::EffectNumberAt& of = numbers[i];
+    for (std::size_t j = i + 1; j < numbers.size(); ++j) {
+      const arm::EffectNumberAt& with = numbers[j];
+      const double value = model::correlation(effects[of.entry], static_cast<Eigen::Index>(of.number),
+                                              effects[with.entry], static_cast<Eigen::Index>(with.number));
+      if (value != 0.0)
+        entries[of.entry].numbers[of.number].correlations.push_back(
+            {with.entry, entries[with.entry].numbers[with.number].name, value});
+    }
+  }
+  return entries;
 }
 
 }  // namespace softarm::effects

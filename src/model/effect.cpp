@@ -1,9 +1,15 @@
 #include "effect.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace softarm::model {
+namespace {
+
+constexpr double kNoCorrelation = 1e-9;  // one that is smaller is round-off of none
+
+}  // namespace
 
 std::vector<Values> Effect::grid(const arm::Arm&, const FineRod&) const {
   const Info& i = info();
@@ -37,6 +43,13 @@ std::vector<Present> in_order(std::vector<Present> effects) {
   std::stable_sort(effects.begin(), effects.end(),
                    [](const Present& a, const Present& b) { return a.effect->rank() < b.effect->rank(); });
   return effects;
+}
+
+double correlation(const Present& a, Eigen::Index i, const Present& b, Eigen::Index j) {
+  const bool of_one_list = a.correlated.cols() == b.correlated.cols();
+  if (!of_one_list || i >= a.correlated.rows() || j >= b.correlated.rows()) return 0.0;
+  const double product = a.correlated.row(i).dot(b.correlated.row(j));
+  return std::abs(product) > kNoCorrelation ? std::clamp(product, -1.0, 1.0) : 0.0;
 }
 
 }  // namespace softarm::model

@@ -206,4 +206,7 @@ class Effect {
 /// In the order in which they act on the inputs.
 std::vector<Present> in_order(std::vector<Present> effects);
 
+/// Of the errors of value i of a and value j of b, see Present::correlated; 0 where round-off makes one.
+double correlation(const Present& a, Eigen::Index i, const Present& b, Eigen::Index j);
+
 }  // namespace softarm::model

@@ -81,6 +81,55 @@ TEST(ArmEffects, StandardDeviationsComeAlongAndBack) {
   EXPECT_FALSE(again.numbers.at(1).sd);
 }
 
+TEST(ArmEffects, CorrelationsComeAlongAndBack) {
+  const arm::Arm arm = shipped_arm("online_200mm");
+  // Numbers of one effect, and of two; the entries need not have all parameters, nor in their order.
+  const std::vector<arm::EffectEntry> entries{
+      {"creep", {{"time_s", 5.0, 1.0, {{0, "share", 0.6}, {1, "mass_kg", -0.3}}}, {"share", 0.2, 0.03}}},
+      {"tip_mass", {{"mass_kg", 0.1, 0.02, {{0, "share", -0.83}}}}},
+      {"base_compliance", {{"compliance_rad_per_nm", 0.3, 0.02}}}};
+  const std::vector<model::Present> effects = effects_of(arm, entries);
+  EXPECT_NEAR(model::correlation(effects[0], 0, effects[0], 1), 0.6, 1e-12);
+  EXPECT_NEAR(model::correlation(effects[0], 1, effects[1], 0), -0.3, 1e-12);
+  EXPECT_NEAR(model::correlation(effects[1], 0, effects[0], 0), -0.83, 1e-12);
+  EXPECT_NEAR(model::correlation(effects[0], 0, effects[0], 0), 1.0, 1e-12);
+  EXPECT_EQ(model::correlation(effects[0], 0, effects[2], 0), 0.0);
+  EXPECT_EQ(model::correlation(effects[0], 2, effects[1], 0), 0.0);
+  const std::vector<model::Present> again = effects_of(arm, entries_of(effects));
+  for (std::size_t a = 0; a < effects.size(); ++a) {
+    for (std::size_t b = 0; b < effects.size(); ++b) {
+      for (Eigen::Index i = 0; i < effects[a].values.size(); ++i) {
+        for (Eigen::Index j = 0; j < effects[b].values.size(); ++j)
+          EXPECT_NEAR(model::correlation(again[a], i, again[b], j),
+                      model::correlation(effects[a], i, effects[b], j), 1e-12);
+      }
+    }
+  }
+  // Without any there is nothing to carry.
+  EXPECT_EQ(effects_of(arm, {{"creep", {{"share", 0.2, 0.03}}}}).at(0).correlated.size(), 0);
+}
+
+TEST(ArmEffects, CorrelationsThatCannotBeAreRefused) {
+  const arm::Arm arm = shipped_arm("online_200mm");
+  const auto refused = [&](const std::vector<arm::EffectCorrelation>& correlations, const char* says) {
+    std::vector<arm::EffectEntry> entries{{"creep", {{"share", 0.2, 0.03}, {"time_s", 5.0, 1.0}}},
+                                          {"tip_mass", {{"mass_kg", 0.1, 0.02}}}};
+    entries[0].numbers[0].correlations = correlations;
+    try {
+      effects_of(arm, entries);
+      ADD_FAILURE() << says;
+    } catch (const arm::ArmError& error) {
+      EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
+    }
+  };
+  refused({{5, "mass_kg", 0.5}}, "there are 2 effects");
+  refused({{1, "mass", 0.5}}, "tip_mass.mass is no parameter with a standard deviation");
+  refused({{1, "mass_kg", -1.5}}, "value -1.5 is outside the allowed range [-1, 1]");
+  refused({{0, "share", 0.5}}, "creep.share is correlated with itself");
+  refused({{1, "mass_kg", 0.5}, {1, "mass_kg", 0.5}}, "is given twice");
+  refused({{1, "mass_kg", 0.9}, {0, "time_s", 0.9}}, "cannot be correlated so all at once");
+}
+
 TEST(ArmEffects, AnUnknownVerdictIsADoubt) {
   const std::string path = ::testing::TempDir() + "doubted_arm.yaml";
   const auto doubt = [&](const std::string& more) {

@@ -1,6 +1,7 @@
 // An arm's description as a YAML file: the arm, and the effects that it names.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -64,11 +65,21 @@ SOFTARM_EXPORT std::vector<std::string> arm_names(const std::vector<std::string>
 
 // --- Effects beyond the laws, as an arm file names them: plain data. What they do is known to effects/.
 
+/// How the error of a number goes with that of another number of the same list.
+struct EffectCorrelation {
+  std::size_t entry = 0;   ///< of the list: to which the other number belongs
+  std::string number;      ///< the other number's name
+  double value = 0.0;      ///< -1: they err against each other; 1: together
+  std::string place = {};  ///< in its file, for messages
+};
+
 /// One number of an effect, in the unit of its name.
 struct EffectNumber {
   std::string name;  ///< "compliance_rad_per_nm"
   double value = 0.0;
   std::optional<double> sd = std::nullopt;  ///< standard deviation, where a diagnosis stated one
+  /// With other numbers that have an sd. Each pair stands at one of the two; what stands nowhere is 0.
+  std::vector<EffectCorrelation> correlations = {};
 };
 
 struct EffectEntry {
@@ -77,10 +88,10 @@ struct EffectEntry {
   std::string place = {};  ///< in its file, for messages: "my_arm.yaml:41"
 };
 
-/// The section `effects` of an arm's YAML, in its order; empty where there is none. parse_arm() leaves it
-/// out: an Arm is what its laws say.
-/// @throws ArmError where the section cannot be read; ids, names and ranges are checked by
-/// effects::effects_of()
+/// The section `effects` of an arm's YAML, in its order, with its `effects_correlations`; empty where there
+/// is none. parse_arm() leaves it out: an Arm is what its laws say.
+/// @throws ArmError where the section cannot be read, or numbers cannot be correlated so; ids, names and
+/// ranges are checked by effects::effects_of()
 SOFTARM_EXPORT std::vector<EffectEntry> parse_effect_entries(const std::string& text,
                                                              const std::string& source);
 /// The key `effects_verdict`: how the diagnosis that found them ended; nothing where the file does not say.

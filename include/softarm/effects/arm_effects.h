@@ -15,13 +15,16 @@ namespace softarm::effects {
 /// The effects of an arm file with all their numbers: those that the file leaves out are 0 where they are
 /// sizes, else as usual.
 /// @throws ArmError (file, key, value, allowed) for an effect that the catalogue does not have, that this arm
-/// cannot have, or whose numbers are unknown, missing or outside their range
+/// cannot have, or whose numbers are unknown, missing or outside their range, or cannot be correlated so
 SOFTARM_EXPORT std::vector<model::Present> effects_of(const arm::Arm& arm,
                                                       const std::vector<arm::EffectEntry>& entries);
 
 /// How an arm file names it. @param sd of its values, in place of Present::sd; not positive: not of this one
 SOFTARM_EXPORT arm::EffectEntry entry_of(const model::Present& present,
                                          const std::optional<model::Values>& sd = std::nullopt);
+
+/// The same of all of a list, with their correlations.
+SOFTARM_EXPORT std::vector<arm::EffectEntry> entries_of(const std::vector<model::Present>& effects);
 
 /// Those of the file that load_arm_file() finds under this name.
 /// @throws ArmError as both

@@ -19,6 +19,10 @@ struct Present {
   Eigen::VectorXd start = {};
   /// Standard deviations of the values, 0 where one is known; empty: all are.
   Values sd = {};
+  /// How their errors go together: one row per value, of length 1, or 0 where it goes with nothing. The
+  /// product of two rows, also of different effects of a list, is the correlation of their values. Empty: all
+  /// err by themselves.
+  Eigen::MatrixXd correlated = {};
 };
 
 }  // namespace softarm::model
