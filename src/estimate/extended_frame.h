@@ -40,18 +40,18 @@ class ExtendedFrame {
                                               double payload_kg) {
     return online_.start_variance(laws, payload_kg);
   }
-  /// Numbers of the effects that are known to a standard deviation only.
+  /// Independent errors of the effects' numbers.
   int errors() const { return online_.size_errors(); }
   /// What the laws say of the frame that was begun, laws(inputs), as what depends on the effects' numbers.
   void set_laws(const std::vector<arm::SegmentPrediction>& laws);
-  /// By what those of x that they say move where a number is a standard deviation off, a column each.
+  /// By what those of x that they say move by a standard deviation of an error, a column each.
   Eigen::MatrixXd laws_by_errors(const std::vector<arm::SegmentPrediction>& laws,
                                  const std::vector<double>& reference_stiffness) const;
   /// Works out anew what errors of the numbers do, where x is far from where that was done.
   /// @return whether it was
   bool renew_errors(Problem& problem, const Eigen::VectorXd& x,
                     const std::vector<arm::SegmentPrediction>& laws);
-  /// The numbers are off by so many standard deviations.
+  /// The errors are so many standard deviations large.
   void set_errors(const Eigen::VectorXd& errors) { at_.errors = errors; }
   /// The arm moves, as at rest under this gravity.
   void set_gravity(const Eigen::Vector3d& gravity_base) {
@@ -90,7 +90,7 @@ class ExtendedFrame {
   struct OfBodies {
     Eigen::Matrix3Xd p, tangent;
   };
-  /// What drives the frame where a number of the effects is off by so much; as it is: nothing.
+  /// What drives the frame with an error of the effects' numbers; as it is: nothing.
   struct OtherDrive {
     std::vector<arm::SegmentPrediction> laws;
     std::optional<double> payload_kg;
@@ -130,7 +130,7 @@ class ExtendedFrame {
   model::OnlineEffects online_;
   trial::Frame frame_;
   arm::InputValues moment_inputs_;
-  std::vector<std::optional<OtherDrive>> other_drives_;  ///< by number
+  std::vector<std::optional<OtherDrive>> other_drives_;  ///< by error
   EffectsAt at_;
   bool line_ = false;                        ///< at_ is the line of this frame or the last
   bool of_this_frame_ = false;               ///< the line

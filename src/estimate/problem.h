@@ -30,7 +30,7 @@ struct EffectsAt {
     Eigen::Vector3d p = Eigen::Vector3d::Zero();        ///< shift, m
     Eigen::Vector3d tangent = Eigen::Vector3d::Zero();  ///< change of the tangent
     Eigen::Matrix3Xd p_by_x, tangent_by_x;
-    /// More of both where a number of the effects is a standard deviation off, a column each; and what of
+    /// More of both by a standard deviation of an error of the effects' numbers, a column each; and what of
     /// that no change of x makes.
     Eigen::Matrix3Xd p_by_error, tangent_by_error, p_beyond_x, tangent_beyond_x;
   };

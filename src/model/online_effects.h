@@ -63,16 +63,16 @@ class OnlineEffects {
   /// @return false where there is no equilibrium with the effects
   bool solve(const std::vector<arm::SegmentPrediction>& segments, double payload_kg,
              const Eigen::Quaterniond& turned = Eigen::Quaterniond::Identity());
-  /// The same with the numbers of the effects off by so many standard deviations.
+  /// The same with the numbers of the effects off by each error so many standard deviations large.
   bool solve_leaning(const Eigen::VectorXd& by_sd, const std::vector<arm::SegmentPrediction>& segments,
                      double payload_kg, const Eigen::Quaterniond& turned);
   /// Of each segment's curvature towards x and y, 1/m^2, for what is not known of how the arm was left before
   /// it was first seen. @param segments as in solve()
   std::vector<Eigen::Vector2d> start_variance(const std::vector<arm::SegmentPrediction>& segments,
                                               double payload_kg);
-  /// Numbers of the effects that are known to a standard deviation only, Present::sd.
+  /// Independent errors of the effects' numbers, see SizeErrors.
   int size_errors() const { return errors_.count(); }
-  /// What drives the frame if one of them is a standard deviation off, as begin() has it for what the file
+  /// What drives the frame with a standard deviation of one of them, as begin() has it for what the file
   /// says. @param differs from that
   Driven driven_by_error(int k, bool& differs) const;
   /// By what a difference so made is to be multiplied.
