@@ -9,7 +9,7 @@
 namespace softarm::diagnose {
 
 /// The arm with the constants of a fit, the effects that were known, and those of the fit with their standard
-/// deviations.
+/// deviations and correlations.
 /// @param covariance of the fit's unknowns, in scales
 ExtendedArm extended_arm(const JointModel& model, const Linearised& fit, const Eigen::MatrixXd& covariance);
 

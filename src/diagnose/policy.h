@@ -310,6 +310,18 @@ struct Policy {
     double identifiable = 0.5;  ///< relative standard deviation up to which a shift of a constant is one
     std::size_t ranked = 8;     ///< candidates in the table on the terminal
   } words;
+
+  /// Correlations of the effects' numbers in the extended arm file: as few, and as short, as say the same.
+  struct Stated {
+    int fewest_digits = 2, most_digits = 9;  ///< behind the point
+    double left_out = 10.0;                  ///< units of the last digit, below which one is left out
+    /// Ratio within which the variance of every mixture of the numbers must stay: intervals change by an
+    /// eighth at most.
+    double same_variance = 1.25;
+    /// Variance of the surest mixture, of numbers with a standard deviation of 1: one that is surer is stated
+    /// so. It moves the arm by a thousandth of what a number alone does.
+    double surest = 1e-6;
+  } stated;
 };
 inline constexpr Policy kPolicy{};
 
