@@ -1,4 +1,5 @@
-// Softer when it is bent to one side, stiffer to the other: a seam, a wall that wrinkles on one side only.
+// Softer where it is bent to one side: a seam, a wall that buckles or folds where it is pressed. It is the
+// part of the bending towards that side that meets less, or more, stiffness; what goes across it does not.
 #include <algorithm>
 #include <cmath>
 
@@ -8,28 +9,41 @@
 namespace softarm::effects {
 namespace {
 
+using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr double kMostSofter = 0.95;  // of EI
+constexpr int kDirections = 8;
+
+/// Takes a share of the stiffness about an axis away.
+void soften(double share, const Vector2d& axis, rod::Segment& piece) {
+  Matrix2d stiffness = Matrix2d::Identity();
+  stiffness << 1.0 + piece.anisotropy.x(), piece.anisotropy.y(), piece.anisotropy.y(),
+      1.0 - piece.anisotropy.x();
+  stiffness -= share * axis * axis.transpose();
+  const double mean = 0.5 * stiffness.trace();
+  piece.bending_compliance /= mean;
+  piece.anisotropy = Vector2d(0.5 * (stiffness(0, 0) - stiffness(1, 1)), stiffness(0, 1)) / mean;
+}
 
 class OneSidedSoftness : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
+  std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
+    std::vector<Values> list;
+    for (int i = 0; i < kDirections; ++i) list.push_back(Vector2d(0.0, 2.0 * M_PI * i / kDirections));
+    return list;
+  }
   void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
-    if (values.head<2>().isZero(0.0)) return;
+    if (values[0] == 0.0) return;
+    // Bent towards x is turned about y.
+    const Vector2d axis(-std::sin(values[1]), std::cos(values[1]));
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       rod::Segment& piece = rod.segments[j];
-      const rod::RodState& middle = shape->middles[j];
-      const Vector2d rest = piece.rest_curvature_per_m.head<2>();
-      const Vector2d even = linear_curvature(piece, middle) - rest;
-      const double size = even.norm();
-      if (!(size > 0.0)) continue;
-      // Bent towards x is turned about y.
-      const Vector2d direction = Vector2d(even.y(), -even.x()) / size;
-      const double stiffness = 1.0 - std::min(kMostSofter, values.head<2>().dot(direction));
-      bend_to(rest + even / stiffness, stiffness, middle, piece);
+      const Vector2d bent = linear_curvature(piece, shape->middles[j]) - piece.rest_curvature_per_m.head<2>();
+      if (axis.dot(bent) > 0.0) soften(std::min(kMostSofter, values[0]), axis, piece);
     }
   }
 };
@@ -39,15 +53,13 @@ class OneSidedSoftness : public Described {
 std::unique_ptr<Effect> make_one_sided_softness() {
   return std::make_unique<OneSidedSoftness>(Info{
       "one_sided_softness",
-      "the arm is softer when it is bent to one side, and stiffer to the other",
-      "M = EI (1 - softer . d) u, d the direction of bending",
+      "the arm is softer, or stiffer, where it is bent to one side",
+      "M = EI (u - softer max(0, u . e) e), e the turn that bends towards that side",
       "a membrane wrinkles where it is pressed: R. L. Comer, S. Levy, AIAA J. 1, 1963, doi:10.2514/3.1873",
       Family::kConstitutive,
-      {{"softer_x", "1", "share of EI, by which it is lower when bent towards x of the section", -0.9, 0.9,
-        0.1},
-       {"softer_y", "1", "share of EI, by which it is lower when bent towards y of the section", -0.9, 0.9,
-        0.1}},
-      2,
+      {{"softer", "1", "share of EI, by which it is lower when bent to that side", -3.0, 0.9, 0.1},
+       {"side_rad", "rad", "direction of that side, from x of the section", -12.6, 12.6, 0.5}},
+      1,
       {"contact", "rest_curvature", "chamber_mismatch", "plane_stiffness"},
       {"bending_stiffness", "moment_gain"}});
 }

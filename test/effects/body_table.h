@@ -30,7 +30,7 @@ inline const std::vector<Case>& body_cases() {
       {"strain_stiffening", {2e-5}, {0.02}},
       {"curvature_softening", {0.002, 3.0}, {1.0, 2.0}},
       {"plane_stiffness", {0.003, -0.004}, {0.5, 0.4}},
-      {"one_sided_softness", {0.003, -0.004}, {0.5, -0.4}},
+      {"one_sided_softness", {0.005, 0.9}, {0.5, 0.9}},
       {"curvature_gain", {0.005}, {0.6}},
       {"contact", {0.02, 0.14, 0.3, 0.01, 0.3, 0.0}, {1000.0, 0.14, 0.3, 0.01, 0.5, 40.0}},
       {"tether", {0.01, 1e-4, 0.05, -0.05, 0.02}, {300.0, 0.05, 0.05, -0.05, 0.02}},

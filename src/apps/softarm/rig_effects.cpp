@@ -425,13 +425,10 @@ Choices plane_stiffness(const Numbers& v) {
                   {"azimuth_deg", 0.5 * v.azimuth_deg("towards_x", "diagonal")}})};
 }
 
-/// The rig is softer towards one side, and as it was towards all others: stiffer by so much beforehand.
 Choices one_sided_softness(const Numbers& v) {
-  const double softer = v.size("softer_x", "softer_y");
-  return {choice("one_sided_softness", "buckles",
-                 {{"share", 2.0 * softer / (1.0 + softer)},
-                  {"azimuth_deg", v.azimuth_deg("softer_x", "softer_y")},
-                  {"to_fraction", 1.0}})};
+  return {
+      choice("one_sided_softness", "buckles",
+             {{"share", v("softer")}, {"azimuth_deg", kDegPerRad * v("side_rad")}, {"to_fraction", 1.0}})};
 }
 
 /// The rig has all bending creep or only what the drives make; what is between is nearer to one of them.
@@ -569,7 +566,6 @@ arm::Arm for_the_rig(arm::Arm arm, const std::vector<model::Present>& effects) {
       if (id == "shear") soften(segment.shear_stiffness_n, present.values[0]);
       if (id == "torsion") soften(segment.torsional_stiffness_nm2, present.values[0]);
       if (id == "plane_stiffness") stiffen(1.0 - present.values.head<2>().norm(), segment);
-      if (id == "one_sided_softness") stiffen(1.0 + present.values.head<2>().norm(), segment);
       // In the end the rig's drives do what its laws say, the catalogue's so much more.
       if (id == "creep" && is_of_the_drives(present.values[3])) drive_more(1.0 + present.values[0], segment);
     }
