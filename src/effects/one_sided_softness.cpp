@@ -2,6 +2,7 @@
 // part of the bending towards that side that meets less, or more, stiffness; what goes across it does not.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "drives.h"
 #include "effects.h"
@@ -13,6 +14,7 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
 constexpr double kMostSofter = 0.95;  // of EI
+constexpr double kOfWall = -0.1;      // softer by, from where a fit begins
 constexpr int kDirections = 8;
 
 /// Takes a share of the stiffness about an axis away.
@@ -34,6 +36,11 @@ class OneSidedSoftness : public Described {
     std::vector<Values> list;
     for (int i = 0; i < kDirections; ++i) list.push_back(Vector2d(0.0, 2.0 * M_PI * i / kDirections));
     return list;
+  }
+  std::optional<Values> like(const Effect& other, const Values& wall, const FineRod&) const override {
+    // A wall, or what is soft like one, holds the arm back as stiffness towards it does.
+    if (other.info().id != "contact") return std::nullopt;
+    return Vector2d(kOfWall, wall[2]);
   }
   void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
