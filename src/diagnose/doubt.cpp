@@ -8,6 +8,7 @@
 #include "math/linear_algebra.h"
 #include "policy.h"
 #include "refits.h"
+#include "unseen.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -51,17 +52,26 @@ Sizes at_the_shapes_of(const Linearised& at, std::size_t e, const Gaussian& unkn
   return sizes;
 }
 
+/// Makes each number's standard deviation the larger one of two.
+void guard(const Eigen::VectorXd& variance, Eigen::MatrixXd& covariance) {
+  if (variance.size() != covariance.rows()) return;
+  const Eigen::VectorXd times = variance.cwiseQuotient(covariance.diagonal()).cwiseMax(1.0).cwiseSqrt();
+  covariance = times.asDiagonal() * covariance * times.asDiagonal();
+}
+
 /// Probability of an effect of the fit given all the others that are in it: the density that its sizes have
 /// at nothing, before the data and after them (Savage and Dickey; Dickey 1971), and the odds of an effect.
 /// Its other numbers (a place, a time) mean nothing where its sizes are nothing: these are looked at where
 /// those are the fit's. Else a share that is known only as a product with a width would seem to be nothing at
 /// times. And where it does nothing it has no form that does: such an effect is looked at on its law.
 /// What is not known of an effect in any arm is nothing of its own: its sizes are looked at beside that.
+/// @param between folds, where the effect's shapes are the fit's
 double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Posterior& posterior,
-                   double unknown_inertia) {
+                   const Eigen::VectorXd& between, double unknown_inertia) {
   const std::vector<Eigen::Index> rows = rows_of_sizes(at, e);
   const Eigen::VectorXd fitted = math::rows_of(at.unknowns(), rows);
   Sizes sizes = at_the_shapes_of(at, e, posterior.on_its_law.at(e));
+  if (between.size() > 0) guard(math::rows_of(between, rows), sizes.covariance);
   Eigen::VectorXd later = fitted + sizes.shift;
   double log_before = 0.0;  // density at nothing
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -82,20 +92,34 @@ double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, c
 
 }  // namespace
 
+Between between_folds(const JointModel& model, const Linearised& at) {
+  Between between;
+  std::vector<bool> held(at.columns.size(), false);
+  between.unknowns = between_folds(model, at, held);
+  for (std::size_t e = 0; e < at.at.effects.size(); ++e) {
+    std::vector<bool> shapes = held;
+    for (const Eigen::Index j : rows_of_shapes(at, e)) shapes[static_cast<std::size_t>(j)] = true;
+    between.at_shapes.push_back(between_folds(model, at, shapes));
+  }
+  return between;
+}
+
 Doubt doubt_about(const Linearised& at, const Posterior& posterior, const Posterior& without_rivals,
-                  std::size_t catalogue, double unknown_inertia) {
+                  const Between& between, std::size_t catalogue, double unknown_inertia) {
   Doubt doubt;
   doubt.still_there.assign(at.at.effects.size(), 1.0);
   if (posterior.unknowns.covariance.rows() != at.information.rows()) {
     doubt.covariance = inflation(at) * math::inverse_of_symmetric(at.information);
+    guard(between.unknowns, doubt.covariance);
     return doubt;
   }
   const Gaussian& u = posterior.unknowns;
   doubt.covariance = u.covariance + u.mean * u.mean.transpose();
+  guard(between.unknowns, doubt.covariance);
   const bool are_others = without_rivals.unknowns.covariance.rows() == at.information.rows();
   const Posterior& of_class = are_others ? without_rivals : posterior;
   for (std::size_t e = 0; e < doubt.still_there.size(); ++e)
-    doubt.still_there[e] = still_there(at, e, catalogue, of_class, unknown_inertia);
+    doubt.still_there[e] = still_there(at, e, catalogue, of_class, between.at_shapes.at(e), unknown_inertia);
   return doubt;
 }
 

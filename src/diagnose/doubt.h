@@ -16,12 +16,21 @@ struct Doubt {
   std::vector<double> still_there;  ///< for each effect of the fit: its probability given all the others
 };
 
+/// What differs from trial to trial the posterior may not know: no unknown is known better than it agrees
+/// between folds.
+struct Between {
+  Eigen::VectorXd unknowns;                ///< variances (between_folds); empty: too few folds
+  std::vector<Eigen::VectorXd> at_shapes;  ///< for each effect: those where its shapes are the fit's
+};
+Between between_folds(const JointModel& model, const Linearised& at);
+
 /// @param at the last model
 /// @param without_rivals the posterior as if what may be mistaken for effects of the model could not be
 /// beside them, however small: a class is surer than which of it is there
+/// @param between folds, of the unknowns of `at`
 /// @param catalogue number of effects that may have been there
 /// @param unknown_inertia share of what inertia does that is no finding
 Doubt doubt_about(const Linearised& at, const Posterior& posterior, const Posterior& without_rivals,
-                  std::size_t catalogue, double unknown_inertia);
+                  const Between& between, std::size_t catalogue, double unknown_inertia);
 
 }  // namespace softarm::diagnose

@@ -59,15 +59,6 @@ bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
   return dropped;
 }
 
-/// What all trials have in common no trial shows; what differs from trial to trial the posterior may not
-/// know. So each unknown's standard deviation is the larger one of the posterior's and of that between folds.
-void guard(const Eigen::MatrixXd& between, Eigen::MatrixXd& covariance) {
-  if (between.rows() != covariance.rows()) return;
-  const Eigen::VectorXd times =
-      between.diagonal().cwiseQuotient(covariance.diagonal()).cwiseMax(1.0).cwiseSqrt();
-  covariance = times.asDiagonal() * covariance * times.asDiagonal();
-}
-
 /// How sure all of the model is.
 /// @param of_all the posterior about this model
 /// @param selection that came to it
@@ -75,13 +66,11 @@ Doubt doubt_in(JointModel& model, Standing& current, const Posterior& of_all, co
                const Selection& selection) {
   Round alone = without_rivals(selection);
   const std::size_t catalogue = selection.rounds.front().screened.size();
-  Doubt doubt = doubt_about(current.fit, of_all,
-                            alone.screened.size() < selection.rounds.back().screened.size()
-                                ? posterior_of(model, current, alone, options.jobs)
-                                : of_all,
-                            catalogue, model.unknown_inertia());
-  guard(between_folds(model, current.fit), doubt.covariance);
-  return doubt;
+  return doubt_about(current.fit, of_all,
+                     alone.screened.size() < selection.rounds.back().screened.size()
+                         ? posterior_of(model, current, alone, options.jobs)
+                         : of_all,
+                     between_folds(model, current.fit), catalogue, model.unknown_inertia());
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "math/distributions.h"
+#include "math/linear_algebra.h"
 #include "math/parallel.h"
 #include "policy.h"
 #include "ranges.h"
@@ -18,20 +19,30 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// A fit's normal equations without some of its trials.
+struct Without {
+  MatrixXd information;
+  VectorXd gradient;
+};
+
+Without without_some(const Linearised& at, const std::vector<bool>& without) {
+  Without rest{at.information, at.gradient};
+  for (const TimeStretch& stretch : at.stretches) {
+    if (!without[stretch.trial]) continue;
+    rest.information -= stretch.information;
+    rest.gradient -= stretch.gradient;
+  }
+  return rest;
+}
+
 /// From the fit's unknowns to those of the trials that are not left out, to first order.
 VectorXd step_without(const Linearised& at, const Fold& fold) {
   // One trial alone has no others: its own fit is all there is.
   if (std::all_of(fold.without.begin(), fold.without.end(), [](bool out) { return out; }))
     return VectorXd::Zero(at.gradient.size());
-  MatrixXd information = at.information;
-  VectorXd gradient = at.gradient;
-  for (const TimeStretch& stretch : at.stretches) {
-    if (!fold.without[stretch.trial]) continue;
-    information -= stretch.information;
-    gradient -= stretch.gradient;
-  }
+  const Without rest = without_some(at, fold.without);
   VectorXd step;
-  least_within(information, gradient, 0.0, rooms_of(at), step);
+  least_within(rest.information, rest.gradient, 0.0, rooms_of(at), step);
   return step;
 }
 
@@ -172,19 +183,28 @@ std::vector<std::vector<bool>> predicted_without(const std::vector<std::size_t>&
   return list;
 }
 
-MatrixXd between_folds(const JointModel& model, const Linearised& at) {
+VectorXd between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held) {
   const std::vector<Fold> folds = unseen_folds(model);
-  const auto count = static_cast<Eigen::Index>(folds.size());
-  if (count < 3) return {};
-  MatrixXd steps(at.gradient.size(), count);
-  for (Eigen::Index f = 0; f < count; ++f)
-    steps.col(f) = step_without(at, folds[static_cast<std::size_t>(f)]);
-  steps.colwise() -= steps.rowwise().mean().eval();
+  if (folds.size() < 3) return {};
+  const std::vector<Room> rooms = rooms_of(at);
+  VectorXd of_all, variance;
+  const auto step = [&](Without rest, VectorXd& to) -> VectorXd {
+    hold(held, rest.information, rest.gradient);
+    least_within(rest.information, rest.gradient, 0.0, rooms, to);
+    return math::inverse_of_symmetric(rest.information).diagonal();
+  };
+  const VectorXd known = step({at.information, at.gradient}, of_all);
+  variance.setZero(of_all.size());
+  for (const Fold& fold : folds) {
+    VectorXd to;
+    const VectorXd less_known = step(without_some(at, fold.without), to);
+    variance.array() +=
+        (known.array() / less_known.array()).max(0.0).min(1.0) * (to - of_all).array().square();
+  }
   constexpr double kUpTo = 0.95;  // of a 90 % interval, as which sizes are told
   const double wider =
-      math::students_t_quantile(static_cast<double>(count - 1), kUpTo) / math::normal_quantile(kUpTo);
-  return (wider * wider * static_cast<double>(count - 1) / static_cast<double>(count)) * steps *
-         steps.transpose();
+      math::students_t_quantile(static_cast<double>(folds.size() - 1), kUpTo) / math::normal_quantile(kUpTo);
+  return wider * wider * variance;
 }
 
 Unseen unseen(const JointModel& model, const Linearised& at) {

@@ -22,11 +22,15 @@ struct Unseen {
   std::size_t refits = 0;  ///< of refitted_unseen(): fits made anew
 };
 
-/// How far the fit's unknowns lie apart where one fold after the other is left out, as a covariance of what
-/// all trials together say (jackknife; Efron and Stein 1981), to first order. Of a spread among few folds
-/// little is known: it is that of the normal distribution whose 90 % interval is as wide as Student's t's.
+/// How far the fit's unknowns lie apart where one fold after the other is left out, as variances of what all
+/// trials together say, to first order: the jackknife for folds of which some know more than others (Wu 1986,
+/// doi:10.1214/aos/1176350142). Each deviation counts by the share of what is known of the unknown that the
+/// other folds hold: what acts in one trial alone is not contradicted by those in which it cannot be seen. Of
+/// a spread among few folds little is known: it is that of the normal distribution whose 90 % interval is as
+/// wide as Student's t's.
+/// @param held unknowns that stay as they are in all fits
 /// @return nothing where there are fewer than three folds
-Eigen::MatrixXd between_folds(const JointModel& model, const Linearised& at);
+Eigen::VectorXd between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held);
 
 /// To first order about the fit to all.
 Unseen unseen(const JointModel& model, const Linearised& at);

@@ -48,8 +48,12 @@ Posterior with_correlation(double correlation) {
   return posterior;
 }
 
+Between no_folds(std::size_t effects) {
+  return {{}, std::vector<Eigen::VectorXd>(effects)};
+}
+
 double still_there(const Posterior& posterior) {
-  const Doubt doubt = doubt_about(with_creep(), posterior, {}, 40, 0.0);
+  const Doubt doubt = doubt_about(with_creep(), posterior, {}, no_folds(1), 40, 0.0);
   EXPECT_EQ(doubt.covariance.rows(), 2);
   return doubt.still_there.at(0);
 }
@@ -59,6 +63,19 @@ TEST(Doubt, AShareThatIsKnownOnlyBesideATimeIsThere) {
   // Creep that is longer than the trials: a larger share with a longer time does the same, no share does not.
   EXPECT_GT(still_there(with_correlation(0.99)), 0.99);
   EXPECT_GT(still_there(with_correlation(-0.99)), 0.99);
+}
+
+TEST(Doubt, NoEffectIsSurerThanFoldsAgree) {
+  const Posterior posterior = with_correlation(0.99);
+  Between between{Eigen::Vector2d(4.0, 0.5), {Eigen::Vector2d(0.01, 0.0)}};
+  const auto doubt = [&] { return doubt_about(with_creep(), posterior, {}, between, 40, 0.0); };
+  EXPECT_GT(doubt().still_there.at(0), 0.99);
+  EXPECT_DOUBLE_EQ(doubt().covariance(0, 0), 9.0);
+  between.at_shapes[0][0] = 9.0;  // 4 +- 3, with the time held
+  between.unknowns[1] = 4.0;      // sd of 2, for 1
+  EXPECT_LT(doubt().still_there.at(0), 0.1);
+  EXPECT_DOUBLE_EQ(doubt().covariance(1, 1), 4.0);
+  EXPECT_NEAR(doubt().covariance(0, 1), 0.99 * 3.0 * 2.0, 1e-12);
 }
 
 TEST(Doubt, AShareOfMassThatIsNotKnownInAnyArmIsNoFinding) {
@@ -81,10 +98,10 @@ TEST(Doubt, AShareOfMassThatIsNotKnownInAnyArmIsNoFinding) {
   posterior.unknowns.mean = Eigen::VectorXd::Zero(1);
   posterior.unknowns.covariance = Eigen::MatrixXd::Constant(1, 1, 1e-4);  // 0.08 +- 0.005
   posterior.on_its_law = {posterior.unknowns};
-  EXPECT_GT(doubt_about(at, posterior, {}, 40, 0.0).still_there.at(0), 0.99);
-  EXPECT_LT(doubt_about(at, posterior, {}, 40, 0.1).still_there.at(0), 0.1);
+  EXPECT_GT(doubt_about(at, posterior, {}, no_folds(1), 40, 0.0).still_there.at(0), 0.99);
+  EXPECT_LT(doubt_about(at, posterior, {}, no_folds(1), 40, 0.1).still_there.at(0), 0.1);
   at.at.effects[0].values[0] = 0.8;
-  EXPECT_GT(doubt_about(at, posterior, {}, 40, 0.1).still_there.at(0), 0.99);
+  EXPECT_GT(doubt_about(at, posterior, {}, no_folds(1), 40, 0.1).still_there.at(0), 0.99);
 }
 
 TEST(Doubt, WhatThePosteriorMovesCountsAtTheFitsTime) {

@@ -98,7 +98,8 @@ TEST(Unseen, AFitWithoutSomeTrialsLeavesTheModelAsItWas) {
 TEST(BetweenFolds, IsHowFarFitsWithoutEachTrialLieApart) {
   const testing::RecordedCase drawn = unseen_case(4);
   testing::Looked looked(drawn.arm, drawn.trials);
-  const Eigen::MatrixXd between = between_folds(looked.model, looked.baseline);
+  const Eigen::VectorXd between =
+      between_folds(looked.model, looked.baseline, Flags(looked.baseline.columns.size(), false));
   const std::size_t trials = drawn.trials.size();
   Eigen::MatrixXd left_out(looked.baseline.unknowns().size(), static_cast<Eigen::Index>(trials));
   for (std::size_t t = 0; t < trials; ++t) {
@@ -111,14 +112,39 @@ TEST(BetweenFolds, IsHowFarFitsWithoutEachTrialLieApart) {
   ASSERT_EQ(between.rows(), left_out.rows());
   for (Eigen::Index j = 0; j < between.rows(); ++j) {
     const double sd = 2.353 / 1.645 * std::sqrt(0.75) * left_out.row(j).norm();  // t of three, at 90 %
-    EXPECT_NEAR(std::sqrt(between(j, j)), sd, 0.15 * sd) << j;
+    EXPECT_NEAR(std::sqrt(between[j]), sd, 0.15 * sd) << j;
   }
+}
+
+TEST(BetweenFolds, WhatActsInOneTrialIsNotContradictedByTheOthers) {
+  const testing::RecordedCase drawn = unseen_case(4);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  Linearised at = looked.baseline;
+  constexpr Eigen::Index kNumber = 0;  // that the first trial alone knows, beside what was known beforehand
+  const auto forget = [](Eigen::MatrixXd& information, double but) {
+    information.row(kNumber).setZero();
+    information.col(kNumber).setZero();
+    information(kNumber, kNumber) = but;
+  };
+  constexpr double kBefore = 1.0, kByTrial = 99.0, kStep = 0.1;
+  forget(at.information, kBefore + kByTrial);
+  at.gradient[kNumber] = 0.0;
+  bool first = true;
+  for (TimeStretch& stretch : at.stretches) {
+    forget(stretch.information, first ? kByTrial : 0.0);
+    stretch.gradient[kNumber] = first ? -kBefore * kStep : 0.0;  // without it, the number is kStep higher
+    first = false;
+  }
+  const double t = 2.353 / 1.645;
+  EXPECT_NEAR(std::sqrt(between_folds(looked.model, at, Flags(at.columns.size(), false))[kNumber]),
+              t * kStep * std::sqrt(kBefore / (kBefore + kByTrial)), 1e-3 * kStep);
 }
 
 TEST(BetweenFolds, OfTwoTrialsAreNone) {
   const testing::RecordedCase drawn = unseen_case(2);
   testing::Looked looked(drawn.arm, drawn.trials);
-  EXPECT_EQ(between_folds(looked.model, looked.baseline).size(), 0);
+  EXPECT_EQ(between_folds(looked.model, looked.baseline, Flags(looked.baseline.columns.size(), false)).size(),
+            0);
 }
 
 /// Residuals of bodies, m, by a function of the instant; the noise is white, so less in longer means.
