@@ -152,7 +152,7 @@ std::string unconverged(const Selection& selection) {
     add("the effects that are named");
   for (const Round& round : selection.rounds)
     for (const Refitted& r : round.refitted)
-      if (!r.converged) add(r.effect->info().id);
+      if (!r.converged && !r.fit.given_up) add(r.effect->info().id);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 

@@ -67,6 +67,27 @@ MatrixXd courses_of(const EvidenceData& data, const math::Eigensystem& over_feat
   return courses;
 }
 
+/// What signatures, and effects of the fit along the courses, move in each principal direction.
+std::vector<MatrixXd> by_direction(const std::vector<const Signature*>& signatures,
+                                   const std::vector<MatrixXd>& done, const Bases& bases) {
+  const Index n = bases.courses.rows(), m = bases.directions.cols(), courses = bases.courses.cols();
+  const Index columns = static_cast<Index>(signatures.size()) + static_cast<Index>(done.size()) * courses;
+  std::vector<MatrixXd> list(static_cast<std::size_t>(m), MatrixXd(n, columns));
+  Index column = 0;
+  for (const Signature* signature : signatures) {
+    const MatrixXd turned = signature->moves * bases.directions;
+    for (Index d = 0; d < m; ++d) list[static_cast<std::size_t>(d)].col(column) = turned.col(d);
+    ++column;
+  }
+  for (const MatrixXd& one : done) {
+    const MatrixXd turned = one * bases.directions;
+    for (Index c = 0; c < courses; ++c, ++column)
+      for (Index d = 0; d < m; ++d)
+        list[static_cast<std::size_t>(d)].col(column) = bases.courses.col(c).cwiseProduct(turned.col(d));
+  }
+  return list;
+}
+
 double sd_of_background(double left, double unknown_sd, double background) {
   return std::hypot(unknown_sd, 1.0 / std::hypot(1.0 / kPolicy.posterior.most_background, left / background));
 }
@@ -97,60 +118,75 @@ Bases bases_of(const EvidenceData& data, unsigned jobs) {
   return bases;
 }
 
-LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& bases) {
-  const auto p = static_cast<Index>(data.unknowns.size() + data.effects.size()) +
-                 static_cast<Index>(data.done.size()) * bases.courses.cols();
-  const Index n = data.residual.rows(), m = data.residual.cols();
-  courses_ = bases.courses.cols();
-  forms_of_ = data.done.size();
-  mean_.resize(p);
-  sd_.resize(p);
-  left_.resize(p);
-  unknown_sd_.resize(p);
-  std::vector<MatrixXd> by_direction(static_cast<std::size_t>(m), MatrixXd(n, p));
-  Index column = 0;
-  for (const std::vector<Signature>* list : {&data.unknowns, &data.effects}) {
-    for (const Signature& signature : *list) {
-      mean_[column] = signature.mean;
-      sd_[column] = signature.prior_sd;
-      left_[column] = signature.left;
-      unknown_sd_[column] = signature.unknown_sd;
-      log_weight_ += signature.log_weight;
-      effect_.push_back(signature.effect);
-      if (signature.effect != nullptr && (each_.empty() || each_.back() != signature.effect))
-        each_.push_back(signature.effect);
-      const MatrixXd turned = signature.moves * bases.directions;
-      for (Index d = 0; d < m; ++d) by_direction[static_cast<std::size_t>(d)].col(column) = turned.col(d);
-      ++column;
+void LinearGaussianModel::add(const Signature& signature) {
+  mean_.push_back(signature.mean);
+  sd_.push_back(signature.prior_sd);
+  left_.push_back(signature.left);
+  unknown_sd_.push_back(signature.unknown_sd);
+  log_weight_ += signature.log_weight;
+  effect_.push_back(signature.effect);
+  if (signature.effect != nullptr && (each_.empty() || each_.back() != signature.effect))
+    each_.push_back(signature.effect);
+}
+
+LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& bases,
+                                         const LinearGaussianModel* others, const Effect* but)
+    : forms_of_(data.done.size()), courses_(bases.courses.cols()) {
+  std::vector<const Signature*> turning;  // those that no other model has turned
+  for (const Signature& signature : data.unknowns) turning.push_back(&signature);
+  const auto unknowns = static_cast<Index>(turning.size());
+  std::vector<Index> turned;  // columns of the other model
+  for (const Signature* signature : turning) add(*signature);
+  if (others == nullptr) {
+    for (const Signature& signature : data.effects) {
+      turning.push_back(&signature);
+      add(signature);
+    }
+  } else {
+    for (std::size_t j = 0; j < others->effect_.size(); ++j) {
+      if (others->effect_[j] == nullptr || others->effect_[j] == but) continue;
+      turned.push_back(static_cast<Index>(j));
+      add({others->effect_[j],
+           others->mean_[j],
+           others->sd_[j],
+           {},
+           others->left_[j],
+           others->unknown_sd_[j]});
     }
   }
-  for (const MatrixXd& done : data.done) {
-    const MatrixXd turned = done * bases.directions;
-    for (Index c = 0; c < bases.courses.cols(); ++c, ++column) {
-      mean_[column] = left_[column] = unknown_sd_[column] = 0.0;
-      sd_[column] = kPolicy.posterior.form;
-      effect_.push_back(nullptr);
-      for (Index d = 0; d < m; ++d)
-        by_direction[static_cast<std::size_t>(d)].col(column) =
-            bases.courses.col(c).cwiseProduct(turned.col(d));
-    }
-  }
+  const auto forms = static_cast<Index>(forms_of_) * courses_;
+  for (Index c = 0; c < forms; ++c) add({nullptr, 0.0, kPolicy.posterior.form, {}});
+  const std::vector<MatrixXd> own = by_direction(turning, data.done, bases);
   const MatrixXd residual = data.residual * bases.directions;
-  for (const math::Eigensystem& eigen : bases.kernels) {
-    InBasis turned;
-    turned.eigenvalues = eigen.values;
-    turned.inverse_spectra.resize(n, std::size(kShares));
-    turned.log_spectra.resize(std::size(kShares));
-    for (std::size_t s = 0; s < std::size(kShares); ++s) {
-      const Eigen::ArrayXd spectrum = (1.0 - kShares[s]) + kShares[s] * eigen.values.array();
-      turned.inverse_spectra.col(static_cast<Index>(s)) = spectrum.inverse();
-      turned.log_spectra[static_cast<Index>(s)] = spectrum.log().sum();
+  const Index n = data.residual.rows(), first = static_cast<Index>(turning.size());
+  for (std::size_t k = 0; k < bases.kernels.size(); ++k) {
+    const math::Eigensystem& eigen = bases.kernels[k];
+    InBasis in = spectra_of(eigen.values);
+    for (std::size_t d = 0; d < own.size(); ++d) {
+      const MatrixXd columns = eigen.vectors.transpose() * own[d];
+      MatrixXd all(n, columns.cols() + static_cast<Index>(turned.size()));
+      all.leftCols(first) = columns.leftCols(first);
+      for (std::size_t j = 0; j < turned.size(); ++j)
+        all.col(unknowns + static_cast<Index>(j)) = others->turned_[k].signatures[d].col(turned[j]);
+      all.rightCols(forms) = columns.rightCols(forms);
+      in.signatures.push_back(std::move(all));
     }
-    for (const MatrixXd& signatures : by_direction)
-      turned.signatures.push_back(eigen.vectors.transpose() * signatures);
-    turned.residual = eigen.vectors.transpose() * residual;
-    turned_.push_back(std::move(turned));
+    in.residual = eigen.vectors.transpose() * residual;
+    turned_.push_back(std::move(in));
   }
+}
+
+LinearGaussianModel::InBasis LinearGaussianModel::spectra_of(const VectorXd& eigenvalues) {
+  InBasis in;
+  in.eigenvalues = eigenvalues;
+  in.inverse_spectra.resize(eigenvalues.size(), std::size(kShares));
+  in.log_spectra.resize(std::size(kShares));
+  for (std::size_t s = 0; s < std::size(kShares); ++s) {
+    const Eigen::ArrayXd spectrum = (1.0 - kShares[s]) + kShares[s] * eigenvalues.array();
+    in.inverse_spectra.col(static_cast<Index>(s)) = spectrum.inverse();
+    in.log_spectra[static_cast<Index>(s)] = spectrum.log().sum();
+  }
+  return in;
 }
 
 std::vector<DirectionNoise> LinearGaussianModel::noise_of(const VectorXd& coefficients) const {
@@ -191,7 +227,7 @@ const NormalEquations& LinearGaussianModel::unit_sums(std::size_t direction, std
   const VectorXd root = variance.cwiseSqrt().cwiseInverse();
   const MatrixXd x = root.asDiagonal() * turned.signatures[direction];
   const VectorXd y = root.cwiseProduct(turned.residual.col(static_cast<Index>(direction)));
-  NormalEquations sums{MatrixXd::Zero(mean_.size(), mean_.size()), x.transpose() * y, y.squaredNorm(),
+  NormalEquations sums{MatrixXd::Zero(x.cols(), x.cols()), x.transpose() * y, y.squaredNorm(),
                        variance.array().log().sum()};
   sums.information.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
   const std::lock_guard<std::mutex> lock(known_mutex_);
@@ -199,7 +235,7 @@ const NormalEquations& LinearGaussianModel::unit_sums(std::size_t direction, std
 }
 
 NormalEquations LinearGaussianModel::normal_equations(const std::vector<DirectionNoise>& noise) const {
-  const Index p = mean_.size();
+  const auto p = static_cast<Index>(mean_.size());
   const auto n = static_cast<double>(turned_[0].residual.rows());
   NormalEquations sums{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0.0, 0.0};
   for (std::size_t d = 0; d < noise.size(); ++d) {
@@ -214,12 +250,13 @@ NormalEquations LinearGaussianModel::normal_equations(const std::vector<Directio
 }
 
 VectorXd LinearGaussianModel::precision(const EffectList& present, double background) const {
-  VectorXd precision = sd_;
-  for (Index j = 0; j < precision.size(); ++j) {
-    const Effect* effect = effect_[static_cast<std::size_t>(j)];
+  VectorXd precision(static_cast<Index>(sd_.size()));
+  for (std::size_t j = 0; j < sd_.size(); ++j) {
+    const Effect* effect = effect_[j];
     const bool spike =
         effect != nullptr && std::find(present.begin(), present.end(), effect) == present.end();
-    precision[j] = 1.0 / std::pow(spike ? sd_of_background(left_[j], unknown_sd_[j], background) : sd_[j], 2);
+    precision[static_cast<Index>(j)] =
+        1.0 / std::pow(spike ? sd_of_background(left_[j], unknown_sd_[j], background) : sd_[j], 2);
   }
   return precision;
 }
@@ -236,7 +273,7 @@ Gaussian LinearGaussianModel::estimate(const NormalEquations& sums, const Effect
     if (j < without || j >= without + courses_) rows.push_back(j);
   Gaussian estimate;
   estimate.covariance = math::inverse_of_symmetric(math::block_of(information, rows));
-  estimate.mean = estimate.covariance * math::rows_of(sums.score + precision.cwiseProduct(mean_), rows);
+  estimate.mean = estimate.covariance * math::rows_of(sums.score + precision.cwiseProduct(mean()), rows);
   return estimate;
 }
 
@@ -245,10 +282,10 @@ double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectL
   const VectorXd precision = this->precision(present, background);
   MatrixXd information = sums.information;
   information.diagonal() += precision;
-  const VectorXd score = sums.score + precision.cwiseProduct(mean_);
+  const VectorXd score = sums.score + precision.cwiseProduct(mean());
   const Eigen::LLT<MatrixXd> factor(information);
   coefficients = factor.solve(score);
-  const double least = sums.square + precision.dot(mean_.cwiseAbs2()) - score.dot(coefficients);
+  const double least = sums.square + precision.dot(mean().cwiseAbs2()) - score.dot(coefficients);
   const double log_posterior = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
   return log_weight_ - 0.5 * (sums.log_determinant + least + log_posterior - precision.array().log().sum());
 }
@@ -256,7 +293,7 @@ double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectL
 Marginal LinearGaussianModel::evaluate(const EffectList& present, double background,
                                        std::vector<DirectionNoise> noise) const {
   Marginal marginal;
-  if (noise.empty()) noise = noise_of(VectorXd::Zero(mean_.size()));
+  if (noise.empty()) noise = noise_of(VectorXd::Zero(mean().size()));
   for (int i = 0; i < kNoiseIterations; ++i) {
     integrate(normal_equations(noise), present, background, marginal.coefficients);
     noise = noise_of(marginal.coefficients);

@@ -66,7 +66,11 @@ double background_sd(const Signature& effect, double background);
 /// Coefficients are those of unknowns, then of effects, then of what each effect of the fit does by course.
 class LinearGaussianModel {
  public:
-  LinearGaussianModel(const EvidenceData& data, const Bases& bases);
+  /// @param others a model made with the same bases, the effects of which it is to have, without those of
+  /// `data`; nullptr: those of `data`
+  /// @param but without this one
+  LinearGaussianModel(const EvidenceData& data, const Bases& bases,
+                      const LinearGaussianModel* others = nullptr, const model::Effect* but = nullptr);
 
   /// With the noise of greatest likelihood, begun from `noise`; empty: from that of the residuals.
   Marginal evaluate(const EffectList& present, double background,
@@ -103,16 +107,23 @@ class LinearGaussianModel {
   /// back to the same few. Thread-safe.
   const NormalEquations& unit_sums(std::size_t direction, std::size_t kernel, double share) const;
 
+  static InBasis spectra_of(const Eigen::VectorXd& eigenvalues);
+  /// A coefficient with its prior.
+  void add(const Signature& signature);
+  Eigen::Map<const Eigen::VectorXd> mean() const {
+    return {mean_.data(), static_cast<Eigen::Index>(mean_.size())};
+  }
+
   std::vector<InBasis> turned_;
   mutable std::mutex known_mutex_;
   mutable std::map<std::tuple<std::size_t, std::size_t, double>, NormalEquations> known_;
-  Eigen::VectorXd mean_, sd_;          ///< of the coefficients; of effects those of the slab
-  Eigen::VectorXd left_, unknown_sd_;  ///< of the Signature, by coefficient
-  double log_weight_ = 0.0;            ///< Signature::log_weight of all unknowns
-  EffectList effect_;                  ///< by coefficient, null for unknowns
-  std::size_t forms_of_ = 0;           ///< effects of the fit; the last coefficients are of these ...
-  Eigen::Index courses_ = 0;           ///< ... by course
-  EffectList each_;                    ///< once each
+  std::vector<double> mean_, sd_;          ///< of the coefficients; of effects those of the slab
+  std::vector<double> left_, unknown_sd_;  ///< of the Signature, by coefficient
+  double log_weight_ = 0.0;                ///< Signature::log_weight of all unknowns
+  EffectList effect_;                      ///< by coefficient, null for unknowns
+  std::size_t forms_of_ = 0;               ///< effects of the fit; the last coefficients are of these ...
+  Eigen::Index courses_ = 0;               ///< ... by course
+  EffectList each_;                        ///< once each
 };
 
 }  // namespace softarm::diagnose

@@ -145,6 +145,10 @@ class JointModel::BodyCost : public ceres::CostFunction {
   const double unsolved_;
 };
 
+double expected_square(const Linearised& at) {
+  return at.square - at.gradient.dot(math::solve_symmetric(at.information, at.gradient));
+}
+
 namespace {
 
 /// The step of Gauss and Newton that is left to the unknowns that are not held: the largest in standard
@@ -158,6 +162,10 @@ double step_left(const Linearised& at) {
   const VectorXd variance = solver.inverse().diagonal();
   const double misfit = std::max(1.0, at.square / std::max(1, at.rows));
   return (solver.solve(gradient).array() / variance.array().sqrt()).abs().maxCoeff() / std::sqrt(misfit);
+}
+
+bool is_hopeless(const Linearised& at, double most_square) {
+  return std::isfinite(most_square) && expected_square(at) > most_square;
 }
 
 /// Ends a pass after so many steps, at a point that will do, or behind which what the pass took for granted
@@ -200,13 +208,15 @@ void set_steps(double radius, int iterations, bool own_derivatives, ceres::Solve
 /// @param radius of the trust region, as the pass before left it: kNoRadius are steps of Gauss and Newton;
 /// where these no longer help, it is less afterwards, for steps of Levenberg and Marquardt
 /// @return whether any step helped
-bool JointModel::minimise(Evaluation& evaluation, double tolerance, double& radius, int& iterations) {
+bool JointModel::minimise(Evaluation& evaluation, const FitOptions& how, double& radius, int& iterations) {
   const bool damped = radius < kNoRadius;
   const std::vector<bool> held = held_at_ends(evaluation.at());
+  const VectorXd begin = evaluation.at().unknowns();
   const auto enough = [&] {
     const double now = threshold_at(evaluation.at().predicted);
     return std::abs(now - threshold_) > kSettled * threshold_ || held_at_ends(evaluation.at()) != held ||
-           step_left(evaluation.at()) < tolerance;
+           step_left(evaluation.at()) < how.tolerance ||
+           (evaluation.at().unknowns() != begin && is_hopeless(evaluation.at(), how.most_square));
   };
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -250,7 +260,7 @@ bool JointModel::minimise(Evaluation& evaluation, double tolerance, double& radi
   set_steps(radius, iterations, evaluation.has_own_derivatives(), options);
   options.callbacks.push_back(&watch);
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.function_tolerance = tolerance * tolerance / std::max(1, evaluation.at().rows);
+  options.function_tolerance = how.tolerance * how.tolerance / std::max(1, evaluation.at().rows);
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
@@ -287,13 +297,16 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   Linearised begin = begun ? *options.begins : linearise_at(parameters, std::move(predicted), how, near);
   if (begun) weigh(begin);
   Evaluation evaluation(*this, std::move(begin), how, near);
+  bool given_up = false;
   for (int left = options.iterations; left > 0;) {
     const bool was_damped = radius < kNoRadius;
-    const bool moved = minimise(evaluation, options.tolerance, radius, left);
+    const bool moved = minimise(evaluation, options, radius, left);
     const double before = threshold_;
     threshold_ = threshold_at(evaluation.at().predicted);
     weigh(evaluation.at());
     if (step_left(evaluation.at()) < options.tolerance) break;
+    given_up = moved && is_hopeless(evaluation.at(), options.most_square);
+    if (given_up) break;
     if (radius < kNoRadius && !was_damped) {
       // First for what may be wrong about derivatives nearby.
       if (!evaluation.has_own_derivatives()) radius = kNoRadius;
@@ -307,6 +320,7 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   Linearised at = std::move(evaluation.at());
   at.own_derivatives = own && (!feedback || how == Derivatives::kWhole);
   at.converged = converged;
+  at.given_up = given_up && !converged;
   at.damped = radius < kNoRadius;
   if (feedback && options.whole && how != Derivatives::kWhole) take_own_derivatives(at);
   return at;
@@ -319,6 +333,7 @@ void JointModel::take_own_derivatives(Linearised& at) {
   Linearised own = linearise_at(at.at, std::move(at.predicted), how, nullptr);
   own.own_derivatives = true;
   own.converged = at.converged;
+  own.given_up = at.given_up;
   own.damped = at.damped;
   at = std::move(own);
 }

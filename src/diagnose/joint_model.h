@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -66,6 +67,7 @@ struct Linearised {
   bool complete = false;
   /// Of a fit: that no step of a size that matters is left.
   bool converged = false;
+  bool given_up = false;  ///< of a fit that did not converge: it came nowhere near another (most_square)
   /// Of a fit: that steps of Gauss and Newton overshot, and it ended with damped ones.
   bool damped = false;
   /// Of a fit: its derivatives are the arm's own there, whole ones where loads depend on the shape.
@@ -73,6 +75,9 @@ struct Linearised {
 
   Eigen::VectorXd unknowns() const;  ///< values over scales
 };
+
+/// Where the first order expects the end of a fit.
+double expected_square(const Linearised& at);
 
 /// What of an arm's motion is not known, as shares: of what inertia, lag and swings do, and of its stiffness.
 struct UnknownShares {
@@ -154,6 +159,9 @@ class JointModel {
     /// there only so much is gone (half, a quarter, ...) that it helps. nullptr: all of it.
     const Linearised* from = nullptr;
     bool damped = false;  ///< it goes on from a fit that was
+    /// After a step, the fit is given up where even the end that the first order expects of it has a larger
+    /// square.
+    double most_square = std::numeric_limits<double>::infinity();
   };
   /// The constants and effects at which all trials are met best, from `parameters`: a problem of Ceres with
   /// Huber's loss on each body, the columns' priors and bounds. Effects' parameters are free unless they
@@ -257,7 +265,7 @@ class JointModel {
   void add_to(TimeStretch& stretch, const Linearised& at, Eigen::Index row, int degrees_of_freedom) const;
   class Evaluation;  ///< of the problem of fit()
   class BodyCost;
-  bool minimise(Evaluation& evaluation, double tolerance, double& radius, int& iterations);
+  bool minimise(Evaluation& evaluation, const FitOptions& how, double& radius, int& iterations);
   /// Huber's weights by the present threshold, and all sums.
   void weigh(Linearised& at) const;
   std::vector<TimeStretch> stretches_of(const Linearised& at, std::size_t trial) const;

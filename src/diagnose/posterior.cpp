@@ -20,11 +20,6 @@ using model::Effect;
 
 constexpr double kLeastWeight = 1e-3;  // of a set against the best: what is less says nothing
 
-bool has(const EvidenceData& data, const Effect* effect) {
-  return std::any_of(data.effects.begin(), data.effects.end(),
-                     [&](const Signature& s) { return s.effect == effect; });
-}
-
 /// The linearised model about each fit that there is: the present one, and one for each effect that was
 /// refitted with it. A set of effects is judged about the fit that suits it best of those with one of its
 /// effects.
@@ -32,14 +27,9 @@ class Expansions {
  public:
   Expansions(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs)
       : bases_(bases_of(data, jobs)), models_(1 + refits.size()) {
-    math::in_parallel(models_.size(), jobs, [&](std::size_t i) {
-      EvidenceData own = i == 0 ? data : refits[i - 1].data;
-      if (i > 0) {
-        for (const Signature& s : data.effects)
-          if (s.effect != refits[i - 1].effect && !has(refits[i - 1].data, s.effect))
-            own.effects.push_back(s);
-      }
-      models_[i].emplace(own, bases_);
+    models_[0].emplace(data, bases_);
+    math::in_parallel(refits.size(), jobs, [&](std::size_t i) {
+      models_[i + 1].emplace(refits[i].data, bases_, &*models_[0], refits[i].effect);
     });
     for (const RefitEvidence& r : refits) refitted_.push_back(r.effect);
     for (const Signature& s : data.effects) log_choices_[s.effect] = s.log_choices;

@@ -65,7 +65,6 @@ void fit_from(JointModel& model, const JointParameters& from,
   how.whole = false;
   how.near = near.complete && !how.damped ? &near : nullptr;
   r.fit = model.fit(from, how, &start);
-  r.evidence.reset();
   r.unseen = unseen(model, r.fit);
   r.physical = !at_limit(r.fit, r.fit.at.effects.size() - 1);
   r.converged = r.fit.converged;
@@ -82,14 +81,13 @@ double gains_elsewhere(const Unseen& without, const Unseen& with) {
   return ((gain.transpose() * weights).array() > 0.0).cast<double>().mean();
 }
 
-/// Evidence about a fit. Of the candidates only those are looked at that are new, or have other values than
-/// before.
-/// @param make evidence with some of the candidates
-template <typename Make>
-const EvidenceData& evidence_with(const std::vector<Present>& candidates, const Make& make,
-                                  std::optional<KnownEvidence>& known) {
+/// Evidence about the model so far. Of the candidates only those are looked at that are new, or have other
+/// values than before.
+const EvidenceData& evidence_with(const std::vector<Present>& candidates, JointModel& model,
+                                  Standing& current, unsigned jobs) {
+  std::optional<KnownEvidence>& known = current.evidence;
   if (!known) {
-    known = KnownEvidence{make(candidates), candidates};
+    known = KnownEvidence{evidence_data(model, current.fit, candidates, jobs), candidates};
     return known->data;
   }
   std::vector<Present> anew;
@@ -111,7 +109,8 @@ const EvidenceData& evidence_with(const std::vector<Present>& candidates, const 
                                }),
                 effects.end());
   if (!anew.empty())
-    for (Signature& s : make(anew).effects) effects.push_back(std::move(s));
+    for (Signature& s : evidence_data(model, current.fit, anew, jobs).effects)
+      effects.push_back(std::move(s));
   known->candidates = candidates;
   return known->data;
 }
@@ -154,20 +153,12 @@ std::vector<Present> candidates_of(const Round& round) {
   return candidates;
 }
 
-Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsigned jobs) {
+Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs) {
   const std::vector<Present> candidates = candidates_of(round);
   std::vector<RefitEvidence> refits;
-  for (Refitted& r : round.refitted) {
-    const auto about_refit = [&](const std::vector<Present>& some) {
-      return evidence_of_refit(model, r.fit, current.fit, some, jobs);
-    };
-    refits.push_back({r.effect, r.fit.own_derivatives ? evidence_with(candidates, about_refit, r.evidence)
-                                                      : evidence_of_refit(model, r.fit, current.fit)});
-  }
-  const auto about_fit = [&](const std::vector<Present>& some) {
-    return evidence_data(model, current.fit, some, jobs);
-  };
-  return posterior(evidence_with(candidates, about_fit, current.evidence), refits, jobs);
+  for (const Refitted& r : round.refitted)
+    refits.push_back({r.effect, evidence_of_refit(model, r.fit, current.fit)});
+  return posterior(evidence_with(candidates, model, current, jobs), refits, jobs);
 }
 
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect) {
@@ -228,7 +219,8 @@ void begin_from(JointModel& model, const Standing& current, const Linearised& fr
   s->leftover_m = moved_m(current.unseen, unseen(model, from));
 }
 
-Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
+Refitted refit(JointModel& model, const Standing& current, const Screened& s,
+               const std::vector<Refitted>& before) {
   Refitted r;
   r.effect = s.effect;
   JointParameters p = current.fit.at;
@@ -239,6 +231,10 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s) {
   p.effects.push_back({s.effect, s.values});
   JointModel::FitOptions how = refit_options(kRefitIterations);
   how.from = &current.fit;
+  double best = current.fit.square;
+  for (const Refitted& other : before) best = std::min(best, other.fit.square);
+  if (best < current.fit.square)
+    how.most_square = current.fit.square - kPolicy.selection.leads * (current.fit.square - best);
   fit_from(model, p, current.fit.predicted, how, current.fit, r);
   return r;
 }
@@ -253,7 +249,7 @@ void finish_leaders(JointModel& model, const Standing& current, std::vector<Refi
       const Linearised& fit = refitted[i].fit;
       least = std::min(least, fit.square);
       if (finished[i]) continue;
-      const double end = fit.square - fit.gradient.dot(math::solve_symmetric(fit.information, fit.gradient));
+      const double end = expected_square(fit);
       if (end >= expected) continue;
       expected = end;
       next = i;
@@ -314,7 +310,6 @@ void linearise_leaders(JointModel& model, const Standing& current, std::vector<R
   for (Refitted& r : refitted) {
     if (r.fit.own_derivatives || current.fit.square - r.fit.square < kPolicy.selection.leads * most) continue;
     model.take_own_derivatives(r.fit);
-    r.evidence.reset();
     r.unseen = unseen(model, r.fit);
   }
 }

@@ -19,7 +19,7 @@ struct Standing {
 std::vector<model::Present> candidates_of(const Round& round);
 
 /// About the model so far, and the refits: how probable each of a round's candidates is.
-Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsigned jobs);
+Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs);
 
 /// Of what an effect moves the bodies by beyond what the constants absorb, rms: less is too small to matter.
 double trivial_m(const JointModel& model);
@@ -46,7 +46,9 @@ void begin_from(JointModel& model, const Standing& current, const Linearised& fr
                 std::vector<Screened>& screened);
 
 /// The model so far with one effect more, from where the screen expects it.
-Refitted refit(JointModel& model, const Standing& current, const Screened& s);
+/// @param before refits upon the same model: this one is given up where it explains far less than the best
+Refitted refit(JointModel& model, const Standing& current, const Screened& s,
+               const std::vector<Refitted>& before = {});
 
 /// Goes on with the refits that ended before they converged and would explain most, as far as the first order
 /// says, until none of them leads: what is as good as known is not to give way to a fit that was easier, nor

@@ -39,7 +39,7 @@ bool refit_the_probable(JointModel& model, const Standing& current, Round& round
         of_class(round, s.effect) < kPolicy.posterior.named)
       continue;
     progress(kPosterior + rounds_left(false), "refitting with " + s.effect->info().id);
-    round.refitted.push_back(refit(model, current, s));
+    round.refitted.push_back(refit(model, current, s, round.refitted));
     any = true;
   }
   return any;
@@ -66,7 +66,7 @@ Round look(JointModel& model, Standing& current, bool first, bool refits, bool m
     const Screened& s = round.screened[worth[i]];
     progress(static_cast<double>(worth.size() - i) * kRefit + leaders + kPosterior + after,
              "refitting with " + s.effect->info().id);
-    round.refitted.push_back(refit(model, current, s));
+    round.refitted.push_back(refit(model, current, s, round.refitted));
   }
   if (!worth.empty()) progress(leaders + kPosterior + after, "refitting with what explains most");
   finish_leaders(model, current, round.refitted);
@@ -122,7 +122,6 @@ void without_fits(Round& round) {
     r.fit = {};
     r.fit.at = std::move(at);
     r.unseen.residual.clear();
-    r.evidence.reset();
   }
 }
 

@@ -69,6 +69,24 @@ TEST(Posterior, OnItsLawAnEffectHasNoForm) {
   EXPECT_GT(estimate(both).covariance(1, 1), 1.1 * estimate(both, 0).covariance(1, 1)) << "a form blurs it";
 }
 
+TEST(Posterior, AModelMayHaveTheEffectsOfAnother) {
+  std::mt19937_64 random(11);
+  const EvidenceData data = made_up(20, 3, 4, 0.7, random);
+  EvidenceData refit = made_up(20, 3, 0, 0.7, random);
+  refit.done = {2.0 * refit.unknowns[0].moves};
+  const Bases bases = bases_of(data);
+  const LinearGaussianModel others(data, bases);
+  const LinearGaussianModel shared(refit, bases, &others, data.effects[1].effect);
+  refit.effects = data.effects;
+  refit.effects.erase(refit.effects.begin() + 1);
+  const LinearGaussianModel own(refit, bases);
+  EXPECT_EQ(shared.effects(), own.effects());
+  const EffectList present{data.effects[2].effect};
+  const Marginal expected = own.evaluate(present, 2e-4), found = shared.evaluate(present, 2e-4);
+  EXPECT_NEAR(found.log, expected.log, 1e-9 * std::abs(expected.log));
+  EXPECT_LT((found.coefficients - expected.coefficients).norm(), 1e-9 * expected.coefficients.norm());
+}
+
 TEST(Posterior, OneOfManyChambersIsAsMuchLessProbableBeforehand) {
   std::mt19937_64 random(7);
   EvidenceData data = made_up(40, 3, 4, 0.7, random);
