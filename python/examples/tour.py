@@ -106,6 +106,7 @@ for step in range(4):
 # %% [markdown]
 # [Effects](effects.md) that `diagnose` wrote into an arm file act in the model as they do in an estimate. Each instant stands by
 # itself, at rest. With `stamp_s` the instants become a trial, in which effects have a memory.
+# `arm.effects` has their numbers and standard deviations, `arm.effects_correlations` how the errors of these go together.
 
 # %%
 effect = "effects:\n  - {id: hysteresis, parameters: {share: 0.3, width_pa: 2000, of: 0}}\n"

@@ -16,7 +16,7 @@ if importlib.util.find_spec(__name__ + "._softarm") is None:
     raise ImportError("softarm was installed without its compiled part, or for another Python than this one: scripts/python "
                       "builds and finds it, for /usr/bin/python3")
 
-from ._arm import Arm, Body, Constant, Input, Segment, arm_keys, load_arm, parse_arm, shipped_arms
+from ._arm import Arm, Body, Constant, EffectsCorrelations, Input, Segment, arm_keys, load_arm, parse_arm, shipped_arms
 from ._check import Check, Finding, check
 from ._common import SoftarmWarning
 from ._diagnose import Diagnosis, catalogue, diagnose
@@ -30,9 +30,9 @@ from ._tables import read_table
 from ._trial import Trial, read_bag, read_bags, read_csv
 
 __all__ = [
-    "Alarm", "Arm", "ArmError", "BagError", "Body", "Check", "Constant", "CsvError", "Diagnosis", "Error", "Estimates",
-    "Estimator", "Finding", "FittedConstant", "Identification", "IdentifyError", "Input", "Jacobians", "Mismatch", "Model",
-    "Segment", "Shapes", "Simulation", "SoftarmWarning", "Trial", "__version__", "arm_keys", "catalogue", "check",
-    "diagnose", "estimate", "estimate_bags", "identify", "load_arm", "parse_arm", "read_bag", "read_bags", "read_csv",
-    "read_table", "shipped_arms", "simulate",
+    "Alarm", "Arm", "ArmError", "BagError", "Body", "Check", "Constant", "CsvError", "Diagnosis",
+    "EffectsCorrelations", "Error", "Estimates", "Estimator", "Finding", "FittedConstant", "Identification",
+    "IdentifyError", "Input", "Jacobians", "Mismatch", "Model", "Segment", "Shapes", "Simulation", "SoftarmWarning",
+    "Trial", "__version__", "arm_keys", "catalogue", "check", "diagnose", "estimate", "estimate_bags", "identify",
+    "load_arm", "parse_arm", "read_bag", "read_bags", "read_csv", "read_table", "shipped_arms", "simulate",
 ]

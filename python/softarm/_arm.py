@@ -56,6 +56,20 @@ class Segment(NamedTuple):
     inputs: List[str]
 
 
+class EffectsCorrelations(NamedTuple):
+    """How the errors of the effects' numbers go together.
+
+    ``names``: of the p numbers that have a standard deviation, in the order of the file and as it calls them: "creep.share",
+    and "marker_slip.2.x_m" of the second of several; ``sd`` (p,): their standard deviations, each in the unit of its name
+    (SI; one without a unit has none); ``matrix`` (p, p): their correlations from -1 to 1, without a unit, 1 on the diagonal, 0
+    where the file gives none. ``matrix * numpy.outer(sd, sd)`` is their covariance.
+    """
+
+    names: List[str]
+    sd: Floats
+    matrix: Floats
+
+
 class Arm:
     """An arm, as its file describes it. It does not change: ``with_constants`` gives another arm.
 
@@ -110,11 +124,17 @@ class Arm:
 
     @property
     def effects(self) -> List[Dict[str, Any]]:
-        """The effects that the file names, each {"id": ..., "numbers": {name with unit: value}}. Empty for most arms.
+        """The effects that the file names, each {"id": ..., "numbers": {name with unit: value}, "sd": {name: sd}}.
 
-        Estimates include the numbers' errors: "effects" (sd) and "effects_correlations" of :meth:`keys`.
+        Empty for most arms. "sd" has the standard deviations that the file states, in the units of their numbers (SI).
+        Estimates include them, together with :attr:`effects_correlations`.
         """
         return self._handle.effects()
+
+    @property
+    def effects_correlations(self) -> EffectsCorrelations:
+        """Names, standard deviations (p,) and correlations (p, p) of the p numbers of ``effects`` that have an sd above 0."""
+        return EffectsCorrelations(**self._handle.effects_correlations())
 
     def with_constants(self, values: Mapping[str, float]) -> "Arm":
         """Another arm whose file has these ``values`` (SI, by name). Bodies and payload keep their fraction of a length.

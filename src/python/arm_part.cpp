@@ -3,8 +3,11 @@
 #include <pybind11/stl.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+
 #include "arm/arm_writer.h"
 #include "arm/edit_distance.h"
+#include "arm/effect_correlations.h"
 #include "arm/input_kind.h"
 #include "arm_handle.h"
 #include "arrays.h"
@@ -107,13 +110,51 @@ py::list constants_of(const ArmHandle& handle) {
 py::list effects_of(const ArmHandle& handle) {
   py::list list;
   for (const arm::EffectEntry& entry : handle.entries) {
-    py::dict one, numbers;
-    for (const arm::EffectNumber& number : entry.numbers) numbers[py::str(number.name)] = number.value;
+    py::dict one, numbers, sd;
+    for (const arm::EffectNumber& number : entry.numbers) {
+      numbers[py::str(number.name)] = number.value;
+      if (number.sd) sd[py::str(number.name)] = *number.sd;
+    }
     one["id"] = entry.id;
     one["numbers"] = numbers;
+    one["sd"] = sd;
     list.append(one);
   }
   return list;
+}
+
+/// Of all numbers with a standard deviation, in the order of the file; what the file does not correlate has
+/// 0.
+py::dict effects_correlations_of(const ArmHandle& handle) {
+  const std::vector<arm::EffectEntry>& entries = handle.entries;
+  std::vector<std::string> names;
+  std::vector<double> sd;
+  for (const arm::EffectNumberAt& at : arm::uncertain_numbers(entries)) {
+    const arm::EffectNumber& number = entries[at.entry].numbers[at.number];
+    names.push_back(arm::name_in_file(entries, at.entry, number.name));
+    sd.push_back(*number.sd);
+  }
+  const std::size_t n = names.size();
+  const auto place = [&](std::size_t entry, const std::string& number) {
+    const auto found = std::find(names.begin(), names.end(), arm::name_in_file(entries, entry, number));
+    return static_cast<std::size_t>(found - names.begin());  // the parser refuses those that are not there
+  };
+  std::vector<double> matrix(n * n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) matrix[i * n + i] = 1.0;
+  for (std::size_t e = 0; e < entries.size(); ++e) {
+    for (const arm::EffectNumber& number : entries[e].numbers) {
+      for (const arm::EffectCorrelation& with : number.correlations) {
+        const std::size_t i = place(e, number.name), j = place(with.entry, with.number);
+        matrix[i * n + j] = matrix[j * n + i] = with.value;
+      }
+    }
+  }
+  const auto count = static_cast<Py_ssize_t>(n);
+  py::dict all;
+  all["names"] = names;
+  all["sd"] = array_of(std::move(sd), {count});
+  all["matrix"] = array_of(std::move(matrix), {count, count});
+  return all;
 }
 
 Arm with_constants(const ArmHandle& handle, const std::map<std::string, double>& values) {
@@ -174,6 +215,7 @@ void add_arm(py::module& module) {
       .def("segments", &segments_of)
       .def("constants", &constants_of)
       .def("effects", &effects_of)
+      .def("effects_correlations", &effects_correlations_of)
       .def("with_constants", &with_constants, py::arg("values"));
   module.def(
       "find_arm",

@@ -39,6 +39,32 @@ class Arms(unittest.TestCase):
         changed.save(target, force=True)
         self.assertFalse([one for one in os.listdir(support.FOLDER) if one.endswith(".partial")])
 
+    def test_effects_have_their_errors(self):
+        plain = softarm.load_arm("online_200mm")
+        self.assertEqual(plain.effects, [])
+        self.assertEqual(plain.effects_correlations.names, [])
+        self.assertEqual(plain.effects_correlations.sd.shape, (0,))
+        self.assertEqual(plain.effects_correlations.matrix.shape, (0, 0))
+        arm = softarm.parse_arm(plain.text + """
+effects:
+  - {id: creep, parameters: {share: 0.1, time_s: 3, decades: 1}, sd: {share: 0.01, time_s: 1, decades: 0}}
+  - {id: marker_slip, parameters: {x_m: 0.001, body: 1}, sd: {x_m: 0.002}}
+  - {id: marker_slip, parameters: {x_m: 0.001, body: 2}, sd: {x_m: 0.003}}
+effects_correlations:
+  - {of: creep.share, with: {creep.time_s: 0.6, marker_slip.2.x_m: -0.3}}
+  - {of: marker_slip.1.x_m, with: {marker_slip.2.x_m: 0.8}}
+""", "mine.yaml")
+        self.assertEqual(arm.effects[0], {"id": "creep", "numbers": {"share": 0.1, "time_s": 3.0, "decades": 1.0},
+                                          "sd": {"share": 0.01, "time_s": 1.0, "decades": 0.0}})
+        self.assertEqual([one["sd"] for one in arm.effects[1:]], [{"x_m": 0.002}, {"x_m": 0.003}])
+        names, sd, matrix = arm.effects_correlations
+        # One whose sd is 0 is known, and has no error that could go with others.
+        self.assertEqual(names, ["creep.share", "creep.time_s", "marker_slip.1.x_m", "marker_slip.2.x_m"])
+        np.testing.assert_array_equal(sd, [0.01, 1.0, 0.002, 0.003])
+        np.testing.assert_array_equal(matrix, [[1.0, 0.6, 0.0, -0.3], [0.6, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.8],
+                                               [-0.3, 0.0, 0.8, 1.0]])
+        self.assertEqual(matrix.dtype, np.float64)
+
     def test_what_is_wrong_is_one_line(self):
         arm = softarm.load_arm("online_200mm")
         support.one_line(self, softarm.ArmError, lambda: softarm.load_arm("nowhere"), "nowhere", "online_200mm")

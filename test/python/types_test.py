@@ -13,6 +13,9 @@ import numpy as np
 import softarm
 
 arm: softarm.Arm = softarm.load_arm("online_200mm")
+errors = arm.effects_correlations
+covariances = errors.matrix * np.outer(errors.sd, errors.sd)
+uncertain = [name.upper() for name in errors.names]
 model = softarm.Model(arm, points=11, constants=list(arm.constants))
 shapes = model.solve({"chamber_1": np.zeros(3)}, 0.1, stamp_s=[0.0, 0.1, 0.2])
 tip_m: float = float(shapes.p_base_m[0, -1, 2])
@@ -37,6 +40,7 @@ bag: str = softarm.simulate({"arm": "online_200mm"}, "trial.bag", seconds=2.0, s
 # Each line, and what the checker calls it.
 WRONG = """
 softarm.load_arm(3)  # arg-type
+softarm.load_arm("a").effects_correlations.correlations  # attr-defined
 softarm.Model("online_200mm")  # arg-type
 softarm.Model(arm, poins=11)  # call-arg
 softarm.estimate(trial, windows=1)  # arg-type
