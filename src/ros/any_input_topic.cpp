@@ -70,6 +70,7 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
   const auto decoder = std::make_shared<Decoder>(type);
   input.read = [=](const BagMessage& message, trial::FrameAssembler& assembler) {
     if (message.type != type) return false;
+    assembler.begin_message(topic, feeds);
     try {
       convert(decoder->decode(message.bytes, message.md5, message.definition), to_stamp(message.time),
               assembler);
@@ -84,6 +85,7 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
       const topic_tools::ShapeShifter& message = *event.getConstMessage();
       if (message.getDataType() != type) return;  // the diagnostics say of what type the silent topic is
       std::optional<std_msgs::Header> header;
+      assembler.begin_message(topic, feeds);
       try {
         const nlohmann::json decoded =
             decoder->decode(bytes_of(message), message.getMD5Sum(), message.getMessageDefinition());

@@ -10,8 +10,9 @@ constexpr char kSource[] = "markers";
 constexpr double kTimeJump_s = 1.0;  // smaller steps back are late messages
 
 struct State {
-  explicit State(const arm::Arm& arm) : associator(arm) {}
+  explicit State(const arm::Arm& arm) : associator(arm), bodies(arm.bodies.size()) {}
   trial::PointAssociator associator;
+  std::size_t bodies;
   std::optional<double> stamp_s;
   std::uint64_t ghosts = 0, restarts = 0;
 };
@@ -45,8 +46,14 @@ MarkerSink associated_bodies(const arm::Arm& arm) {
     if (state->stamp_s && stamp_s <= *state->stamp_s && stamp_s > *state->stamp_s - kTimeJump_s) {
       return assembler.count_rejected(stamp_s == *state->stamp_s ? "duplicate" : "late", kSource);
     }
-    state->stamp_s = stamp_s;
     trial::PointAssociator& associator = state->associator;
+    if (assembler.is_alone_in_time(stamp)) {
+      // The assembler counts them and waits for the next message; the associator keeps its tracks meanwhile.
+      for (std::size_t i = 0; i < state->bodies; ++i)
+        assembler.add_missing_body(static_cast<int>(i), stamp, "time_gap");
+      return;
+    }
+    state->stamp_s = stamp_s;
     const auto positions =
         associator.update(stamp_s, points_of(markers, assembler), assembler.base_body_pose());
     for (std::size_t i = 0; i < positions.size(); ++i) {

@@ -59,18 +59,21 @@ InputTopic make_input_topic(
   input.type = ros::message_traits::DataType<Message>::value();
   input.md5 = ros::message_traits::MD5Sum<Message>::value();
   input.feeds = feeds;
-  input.read = [convert](const BagMessage& in_bag, trial::FrameAssembler& assembler) {
+  input.read = [topic, feeds, convert](const BagMessage& in_bag, trial::FrameAssembler& assembler) {
     const std::unique_ptr<Message> message = read_message<Message>(in_bag);
-    if (message) convert(*message, to_stamp(in_bag.time), assembler);
-    return message != nullptr;
+    if (!message) return false;
+    assembler.begin_message(topic, feeds);
+    convert(*message, to_stamp(in_bag.time), assembler);
+    return true;
   };
-  input.subscribe = [topic, convert](ros::NodeHandle& nh, trial::FrameAssembler& assembler,
-                                     OnMessage on_message) {
+  input.subscribe = [topic, feeds, convert](ros::NodeHandle& nh, trial::FrameAssembler& assembler,
+                                            OnMessage on_message) {
     // The time of receipt, not of this call: a node that is busy must not shift what has no stamp of its own.
     using Event = ros::MessageEvent<Message const>;
-    const boost::function<void(const Event&)> callback = [convert, &assembler,
+    const boost::function<void(const Event&)> callback = [topic, feeds, convert, &assembler,
                                                           on_message](const Event& event) {
       const Message& message = *event.getConstMessage();
+      assembler.begin_message(topic, feeds);
       convert(message, to_stamp(event.getReceiptTime()), assembler);
       on_message(ros::message_traits::header(message));
     };

@@ -16,6 +16,26 @@ Stamp instant_of(Stamp stamp, double latency_s) {
 
 }  // namespace
 
+void FrameAssembler::begin_message(const std::string& topic, const std::string& reader) {
+  const auto has_read = std::find(message_readers_.begin(), message_readers_.end(), reader);
+  const bool same = topic == message_topic_ && has_read == message_readers_.end();
+  if (!same) {
+    ++message_;
+    message_topic_ = topic;
+    message_readers_.clear();
+  }
+  message_readers_.push_back(reader);
+}
+
+bool FrameAssembler::is_alone_in_time(Stamp stamp) const {
+  const double stamp_s = instant_of(stamp, body_latency_s_).s;
+  if (is_ahead(stamp_s)) return !confirms(ahead_candidate_, stamp_s);
+  const bool back = std::any_of(streams_.begin() + 1, streams_.end(), [&](const Stream& stream) {
+    return stream.newest_s && stamp_s < *stream.newest_s - params_.time_jump_s;
+  });
+  return back && !confirms_step_back(stamp_s);
+}
+
 FrameAssembler::FrameAssembler(const arm::Arm& arm, const Params& params)
     : params_(params),
       has_base_body_(arm.base.body.has_value()),
@@ -46,6 +66,7 @@ FrameAssembler::FrameAssembler(const arm::Arm& arm, const Params& params)
 FrameAssembler::Slot* FrameAssembler::slot_for(std::size_t index, Stamp stamp, bool repeats) {
   const double stamp_s = stamp.s;
   Stream& stream = streams_[index];
+  if (message_topic_.empty()) ++message_;
   const auto useless = [&](const char* reason) -> Slot* {
     reject(reason, stream.name);
     return nullptr;
@@ -54,6 +75,7 @@ FrameAssembler::Slot* FrameAssembler::slot_for(std::size_t index, Stamp stamp, b
   if (stream.newest_s && stamp_s == *stream.newest_s) return useless("duplicate");
   stream.newest_s = std::max(stream.newest_s.value_or(stamp_s), stamp_s);
   stream.expected = true;
+  if (newest_s_ && stamp_s > *newest_s_ + tolerance_s_) step_s_ = stamp_s - *newest_s_;
   newest_s_ = std::max(newest_s_.value_or(stamp_s), stamp_s);
 
   Pending* frame = nearest_open(stamp_s);
@@ -150,14 +172,14 @@ void FrameAssembler::reset() {
   newest_before_jump_s_.reset();
   input_changed_s_.reset();
   base_body_pose_.reset();
-  ahead_candidate_s_.reset();
+  ahead_candidate_.reset();
   for (std::size_t i = 0; i < streams_.size(); ++i) {
     Stream& stream = streams_[i];
     stream.gate.reset();
     stream.expected = i > 0 || has_base_body_;
     stream.newest_s.reset();
     stream.before_jump_s.reset();
-    stream.back_candidate_s.reset();
+    stream.back_candidate.reset();
   }
   for (auto& history : inputs_) history.clear();
   // What did not come before will hardly come now: it is not waited for again.

@@ -23,8 +23,8 @@ namespace softarm::trial {
 ///
 /// 1. Check the stamp: not zero, no lone outlier in time, no duplicate, not older than what was emitted. A
 /// stamp that
-///    goes back by more than a second, and is confirmed by a second sample, is a time jump: everything but
-///    the payload is forgotten, `time_jumps` counts it.
+///    goes back by more than a second, and is confirmed by a second message, is a time jump: everything but
+///    the payload is forgotten, `time_jumps` counts it. Bodies of one message do not confirm one another.
 /// 2. Gate the pose: finite, not all zero, unit quaternion, not frozen, not jumping (BodyGate).
 /// 3. A frame closes when every expected body has reported at or after its stamp (each topic delivers in
 /// order, so
@@ -69,6 +69,14 @@ class FrameAssembler {
   FrameAssembler(const arm::Arm& arm, const Params& params);
 
   void set_tap(Tap tap) { tap_ = std::move(tap); }
+
+  /// A message begins, which may hold several bodies: all samples until the next call are of it. Who never
+  /// calls it adds samples that are messages of their own.
+  /// @param reader what makes samples of it; several may read one message of a topic, one after the other
+  void begin_message(const std::string& topic, const std::string& reader);
+  /// Whether samples of this stamp, of the message that has begun, would be put aside because they are alone
+  /// in their time: for who makes bodies of points, and must not lose track of them for a damaged stamp.
+  bool is_alone_in_time(Stamp stamp) const;
 
   /// All stamps are as reported: the latencies of the arm's inputs are subtracted here.
   /// @param body index into Arm::bodies or kBaseBody
@@ -146,13 +154,18 @@ class FrameAssembler {
     bool waited = false;       // for an input, with all bodies there
     std::vector<Slot> slots;   // base, then Arm::bodies
   };
+  /// A step in time that waits for confirmation.
+  struct Candidate {
+    double stamp_s = 0.0;
+    std::uint64_t message = 0;
+  };
   struct Stream {
     std::string name;
     BodyGate gate;
     bool expected = true;
-    std::optional<double> newest_s;          // last stamp of this body in the present epoch
-    std::optional<double> before_jump_s;     // ... and in the one before the last time jump
-    std::optional<double> back_candidate_s;  // a step back that waits for confirmation
+    std::optional<double> newest_s;       // last stamp of this body in the present epoch
+    std::optional<double> before_jump_s;  // ... and in the one before the last time jump
+    std::optional<Candidate> back_candidate;
   };
   struct Input {
     InputRhythm rhythm;
@@ -169,6 +182,9 @@ class FrameAssembler {
   enum class Past { kNone, kThisBodyCame, kClosed };
 
   bool check_time(Stream& stream, double stamp_s);
+  bool is_ahead(double stamp_s) const;
+  bool confirms(const std::optional<Candidate>& candidate, double stamp_s) const;
+  bool confirms_step_back(double stamp_s) const;
   void reset_time(double stamp_s);
   Pending* nearest_open(double stamp_s);
   Pending* open_frame(double stamp_s);
@@ -206,7 +222,12 @@ class FrameAssembler {
   std::vector<Stream> streams_;  // base, then Arm::bodies
   std::deque<Pending> pending_;  // by reference stamp
   std::optional<Pending> last_emitted_;
-  std::optional<double> newest_s_, newest_before_jump_s_, ahead_candidate_s_, input_changed_s_;
+  std::optional<double> newest_s_, newest_before_jump_s_, input_changed_s_;
+  std::optional<Candidate> ahead_candidate_;
+  double step_s_ = 0.0;        // between the last two instants; the pace stays, whatever the time
+  std::uint64_t message_ = 0;  // number of the one whose samples come
+  std::string message_topic_;  // empty: nobody says where messages begin
+  std::vector<std::string> message_readers_;
   std::vector<std::deque<Value>> inputs_;
   std::vector<Input> input_streams_;
   std::deque<Value> payload_;

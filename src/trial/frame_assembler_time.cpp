@@ -1,10 +1,36 @@
 // The stamps of bodies: lone outliers in time, steps back and forth, the leftovers of the time before a jump.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "frame_assembler.h"
 
 namespace softarm::trial {
+namespace {
+
+constexpr double kSlowestStream_s = 60.0;  // between two messages that agree: slower ones are no stream
+constexpr double kPaces = 2.5;             // one instant may be lost
+
+}  // namespace
+
+/// By more than a jump, and than the next instant of a stream that is slower than that.
+bool FrameAssembler::is_ahead(double stamp_s) const {
+  const double pace_s = kPaces * std::min(step_s_, kSlowestStream_s);
+  return newest_s_ && stamp_s > *newest_s_ + std::max(params_.time_jump_s, pace_s);
+}
+
+/// A sample of the very next message: one of where time was before would have dropped the candidate. Bodies
+/// of one message say the same thing, damaged or not.
+bool FrameAssembler::confirms(const std::optional<Candidate>& candidate, double stamp_s) const {
+  return candidate && candidate->message != message_ && stamp_s > candidate->stamp_s - params_.time_jump_s &&
+         stamp_s < candidate->stamp_s + std::max(params_.time_jump_s, kSlowestStream_s);
+}
+
+/// One sample may be damaged; two that agree are a new time, whichever bodies they are of.
+bool FrameAssembler::confirms_step_back(double stamp_s) const {
+  return std::any_of(streams_.begin(), streams_.end(),
+                     [&](const Stream& stream) { return confirms(stream.back_candidate, stamp_s); });
+}
 
 bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
   if (!(stamp_s > 0.0) || !std::isfinite(stamp_s)) {
@@ -15,22 +41,18 @@ bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
 
   // Back, against the stream's own past: a body whose clock merely lags never goes back.
   if (stream.newest_s && stamp_s < *stream.newest_s - jump_s) {
-    for (const Stream& other : streams_) {
-      // One sample may be damaged; two that agree are a new time.
-      if (other.back_candidate_s && std::abs(stamp_s - *other.back_candidate_s) < jump_s) {
-        reset_time(stamp_s);
-        return true;
-      }
+    if (confirms_step_back(stamp_s)) {
+      reset_time(stamp_s);
+      return true;
     }
-    stream.back_candidate_s = stamp_s;
+    stream.back_candidate = Candidate{stamp_s, message_};
     reject("time_jump", stream.name);
     return false;
   }
-  stream.back_candidate_s.reset();
+  stream.back_candidate.reset();
 
-  const bool ahead = newest_s_ && stamp_s > *newest_s_ + jump_s;
-  if (!ahead) {
-    ahead_candidate_s_.reset();  // time goes on where it was: the candidate's stamp was damaged
+  if (!is_ahead(stamp_s)) {
+    ahead_candidate_.reset();  // time goes on where it was: the candidate's stamp was damaged
     return true;
   }
   // Samples of the time before a jump that were still on their way.
@@ -39,12 +61,12 @@ bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
     reject("time_jump", stream.name);
     return false;
   }
-  // Forward: after a pause the first sample waits for a second one that agrees.
-  if (ahead_candidate_s_ && std::abs(stamp_s - *ahead_candidate_s_) < jump_s) {
-    ahead_candidate_s_.reset();
+  // Forward: after a pause the first message waits for a second one that agrees.
+  if (confirms(ahead_candidate_, stamp_s)) {
+    ahead_candidate_.reset();
     return true;
   }
-  ahead_candidate_s_ = stamp_s;
+  ahead_candidate_ = Candidate{stamp_s, message_};
   reject("time_gap", stream.name);
   return false;
 }

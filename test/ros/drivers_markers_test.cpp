@@ -96,6 +96,23 @@ TEST(DriversVicon, MillimetresLabelsAndOcclusion) {
   EXPECT_TRUE(result.warnings.empty());
 }
 
+TEST(DriversVicon, AMessageWithADamagedStampIsDropped) {
+  TestBag bag;
+  for (int i = 0; i < 20; ++i) {
+    auto message = vicon_frame(i);
+    if (i == 5) message.header.stamp += ros::Duration(1e6);
+    if (i == 9) message.header.stamp -= ros::Duration(500.0);
+    bag.write_as("vicon_bridge/Markers", "/vicon/markers", kStart_s + kPeriod_s * i, message);
+  }
+  const auto result = bag.read(arm_with(kViconArm));
+  EXPECT_THAT(result.frames, SizeIs(18));
+  EXPECT_EQ(result.time_jumps, 0u);
+  for (const std::string ring : {"ring_1", "ring_2"}) {
+    EXPECT_THAT(result.rejected, Contains(Pair("time_gap " + ring, 1u)));
+    EXPECT_THAT(result.rejected, Contains(Pair("time_jump " + ring, 1u)));
+  }
+}
+
 TEST(DriversVicon, ALabelThatTwoMarkersHaveIsRefused) {
   TestBag bag;
   for (int i = 0; i < 5; ++i) {
@@ -380,19 +397,25 @@ void expect_rings(const TestBag::Result& result, int frames) {
   EXPECT_GE(result.rejected.at("ghost markers"), static_cast<std::uint64_t>(frames - 2));
 }
 
+/// The points of instant i, which are stamped `late_s` later.
+sensor_msgs::PointCloud cloud_at(int i, double late_s) {
+  sensor_msgs::PointCloud message;
+  message.header.stamp = ros::Time(kStart_s + kPeriod_s * i + late_s);
+  for (const Eigen::Vector3d& p : shuffled(i)) {
+    geometry_msgs::Point32 point;
+    point.x = static_cast<float>(p.x());
+    point.y = static_cast<float>(p.y());
+    point.z = static_cast<float>(p.z());
+    message.points.push_back(point);
+  }
+  return message;
+}
+
 TEST(DriversCloud, PointsOfPointCloudAreAssociated) {
   TestBag bag;
   for (int i = 0; i < 20; ++i) {
-    sensor_msgs::PointCloud message;
-    message.header.stamp = ros::Time(kStart_s + kPeriod_s * i);
+    sensor_msgs::PointCloud message = cloud_at(i, 0.0);
     message.header.frame_id = "world";
-    for (const Eigen::Vector3d& p : shuffled(i)) {
-      geometry_msgs::Point32 point;
-      point.x = static_cast<float>(p.x());
-      point.y = static_cast<float>(p.y());
-      point.z = static_cast<float>(p.z());
-      message.points.push_back(point);
-    }
     bag.write("/natnet/pointcloud", kStart_s + kPeriod_s * i + kDelay_s, message);
     if (i == 9) bag.write("/natnet/pointcloud", kStart_s + kPeriod_s * i + 2 * kDelay_s, message);
   }
@@ -401,6 +424,25 @@ TEST(DriversCloud, PointsOfPointCloudAreAssociated) {
                         "inputs: {bodies: {topic: /natnet/pointcloud, type: sensor_msgs/PointCloud}}\n"));
   expect_rings(result, 20);
   EXPECT_THAT(result.rejected, Contains(Pair("duplicate markers", 1u)));
+}
+
+TEST(DriversCloud, ADamagedStampLosesNoTrackAndANewTimeIsFollowed) {
+  const std::string parts =
+      std::string(kFixedBase) + "inputs: {bodies: {topic: /cloud, type: sensor_msgs/PointCloud}}\n";
+  for (double shift : {-500.0, 1e6}) {
+    TestBag damaged, looped;
+    for (int i = 0; i < 40; ++i) {
+      damaged.write("/cloud", kStart_s + kPeriod_s * i, cloud_at(i, i == 9 ? shift : 0.0));
+      looped.write("/cloud", kStart_s + kPeriod_s * i, cloud_at(i, i < 20 ? 0.0 : -500.0));
+    }
+    const auto kept = damaged.read(arm_with(parts));
+    EXPECT_THAT(kept.frames, SizeIs(39));
+    EXPECT_EQ(kept.time_jumps, 0u);
+    EXPECT_EQ(kept.rejected.count("association_restarted markers"), 0u);
+    const auto followed = looped.read(arm_with(parts));
+    EXPECT_THAT(followed.frames, SizeIs(39));
+    EXPECT_EQ(followed.time_jumps, 1u);
+  }
 }
 
 TEST(DriversCloud, PointsOfPointCloud2AreAssociated) {

@@ -80,6 +80,7 @@ class TestBag {
     std::vector<trial::Frame> frames;
     std::map<std::string, std::uint64_t> rejected;
     std::vector<std::string> warnings;
+    std::uint64_t time_jumps = 0;
   };
   Result read(const arm::Arm& arm) {
     bag_.close();
@@ -89,6 +90,7 @@ class TestBag {
         {[&](const trial::Frame& frame) { result.frames.push_back(frame); }, [] {}, [](std::uint64_t) {}});
     result.rejected = bag.assembler().rejected();
     result.warnings = bag.warnings();
+    result.time_jumps = bag.assembler().time_jumps();
     return result;
   }
 

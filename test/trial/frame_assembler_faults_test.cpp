@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 
 #include "frame_assembler_fixture.h"
 
@@ -206,6 +207,84 @@ TEST(FrameAssemblerTime, LoneDamagedStampsAndLaggingClocksAreNoJump) {
   EXPECT_EQ(count(assembler.rejected(), "time_jump ring_2"), 1u);
   EXPECT_GT(count(assembler.rejected(), "late ring_1"), 400u);
   EXPECT_GE(assembler.take().size(), 479u);
+}
+
+/// Sends all bodies in one message.
+void one_message(trial::FrameAssembler& assembler, Feeder& feed, double stamp_s, int k) {
+  assembler.begin_message("/tf", "all");
+  for (int body = -1; body < 3; ++body) feed.body_at(body, stamp_s, k);
+}
+
+TEST(FrameAssemblerTime, AMessageOfSeveralBodiesDoesNotConfirmItself) {
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
+  Feeder feed(assembler);
+  for (int k = 0; k < 480; ++k) {
+    const double shift = k == 100 ? 1e6 : k == 200 ? -500.0 : 0.0;
+    one_message(assembler, feed, feed.stamp(k) + shift, k);
+  }
+  EXPECT_EQ(assembler.time_jumps(), 0u);
+  for (const std::string body : {"base", "ring_1", "ring_2", "ring_3"}) {
+    EXPECT_EQ(count(assembler.rejected(), "time_gap " + body), 1u);
+    EXPECT_EQ(count(assembler.rejected(), "time_jump " + body), 1u);
+  }
+  EXPECT_EQ(assembler.take().size(), 478u);
+}
+
+TEST(FrameAssemblerTime, TwoMessagesThatAgreeAreANewTime) {
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
+  Feeder feed(assembler);
+  for (int k = 0; k < 240; ++k) one_message(assembler, feed, feed.stamp(k) + (k < 120 ? 0.0 : 3600.0), k);
+  EXPECT_EQ(assembler.time_jumps(), 0u);
+  for (int k = 240; k < 480; ++k) one_message(assembler, feed, feed.stamp(k), k);
+  EXPECT_EQ(assembler.time_jumps(), 1u);
+  EXPECT_EQ(assembler.take().size(), 480u - 2u);  // the first message of each new time
+}
+
+TEST(FrameAssemblerTime, TwoReadersOfAMessageDoNotConfirmOneAnotherButTwoTopicsDo) {
+  for (const std::string base_topic : {"/tf", "/base"}) {
+    trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
+    Feeder feed(assembler);
+    for (int k = 0; k < 240; ++k) {
+      const double stamp_s = feed.stamp(k) - (k == 100 ? 500.0 : 0.0);
+      assembler.begin_message(base_topic, "base");
+      feed.body_at(-1, stamp_s, k);
+      assembler.begin_message("/tf", "rings");
+      for (int body = 0; body < 3; ++body) feed.body_at(body, stamp_s, k);
+    }
+    EXPECT_EQ(assembler.time_jumps(), base_topic == "/tf" ? 0u : 1u);
+  }
+}
+
+TEST(FrameAssemblerTime, MessagesThatComeRarelyAreFollowed) {
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
+  Feeder feed(assembler);
+  const auto rarely = [](int k) { return 4000.0 + 2.0 * k; };
+  for (int k = 0; k < 20; ++k) one_message(assembler, feed, rarely(k), k);
+  EXPECT_EQ(assembler.take().size(), 19u);  // the second may have been damaged: two make a pace
+  one_message(assembler, feed, rarely(20) + 1e6, 20);
+  for (int k = 21; k < 40; ++k) one_message(assembler, feed, rarely(k), k);
+  EXPECT_EQ(assembler.take().size(), 19u);
+  EXPECT_EQ(assembler.time_jumps(), 0u);
+  for (int k = 0; k < 20; ++k) one_message(assembler, feed, rarely(k) - 3600.0, k);
+  EXPECT_EQ(assembler.time_jumps(), 1u);
+  EXPECT_EQ(assembler.take().size(), 19u);
+  EXPECT_EQ(count(assembler.rejected(), "time_gap base"), 2u);
+}
+
+TEST(FrameAssemblerTime, WhoMakesBodiesOfPointsCanAskFirst) {
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
+  Feeder feed(assembler);
+  EXPECT_FALSE(assembler.is_alone_in_time(feed.stamp(0)));
+  for (int k = 0; k < 10; ++k) one_message(assembler, feed, feed.stamp(k), k);
+  EXPECT_FALSE(assembler.is_alone_in_time(feed.stamp(10)));
+  for (double shift : {1e6, -500.0}) {
+    EXPECT_TRUE(assembler.is_alone_in_time(feed.stamp(10) + shift));
+    one_message(assembler, feed, feed.stamp(10) + shift, 10);
+    EXPECT_TRUE(assembler.is_alone_in_time(feed.stamp(10) + shift));  // it is the same message
+    assembler.begin_message("/tf", "all");
+    EXPECT_FALSE(assembler.is_alone_in_time(feed.stamp(11) + shift));
+    one_message(assembler, feed, feed.stamp(10), 10);
+  }
 }
 
 TEST(FrameAssemblerTime, PauseIsFollowed) {
