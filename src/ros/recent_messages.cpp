@@ -7,7 +7,9 @@
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
+#include "bag_message.h"
 #include "open_bag.h"
 
 namespace softarm {
@@ -16,45 +18,103 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kTimeBack_s = 1.0;
+constexpr std::size_t kCounters = 2 * sizeof(void*);  // that make_shared puts beside what it makes
 
-void write(rosbag::Bag& bag, const RecentMessage& m, const ros::Time& receipt) {
-  bag.write(m.topic, receipt, *m.message, m.connection);
+/// What the heap takes for so many bytes: glibc puts 8 before them, rounds up to 16, and gives large ones
+/// whole pages.
+std::size_t on_heap(std::size_t bytes) {
+  constexpr std::size_t kHeader = 8, kStep = 16, kLeast = 32, kLarge = 128 * 1024, kPage = 4096;
+  if (bytes >= kLarge) return (bytes + 2 * kHeader + kPage - 1) / kPage * kPage;
+  return std::max(kLeast, (bytes + kHeader + kStep - 1) / kStep * kStep);
 }
+
+/// Writes messages as they were published: those of a source one after the other through one ShapeShifter.
+class BagOfRecent {
+ public:
+  explicit BagOfRecent(rosbag::Bag& bag) : bag_(bag) {}
+
+  void write(const RecentMessage& m, const ros::Time& receipt) {
+    auto [entry, is_new] = shapes_.try_emplace(m.source.get());
+    topic_tools::ShapeShifter& shape = entry->second;
+    if (is_new) shape.morph(m.source->md5, m.source->type, m.source->definition, "");
+    auto* const bytes = const_cast<std::uint8_t*>(m.bytes->data());  // IStream only reads them
+    ros::serialization::IStream stream(bytes, static_cast<std::uint32_t>(m.bytes->size()));
+    shape.read(stream);
+    bag_.write(m.source->topic, receipt, shape, m.source->connection);
+  }
+
+ private:
+  rosbag::Bag& bag_;
+  std::map<const RecentSource*, topic_tools::ShapeShifter> shapes_;
+};
 
 }  // namespace
 
-bool RecentMessage::latched() const {
+bool RecentSource::latched() const {
   if (!connection) return false;
   const auto found = connection->find("latching");
   return found != connection->end() && found->second == "1";
+}
+
+std::size_t RecentMessage::footprint(std::size_t size) {
+  // Its place in the deque, whose blocks are never quite full; the vector; the vector's bytes.
+  return sizeof(RecentMessage) + sizeof(void*) + on_heap(kCounters + sizeof(*bytes)) + on_heap(size);
 }
 
 double RecentMessages::duration_s() const {
   return messages_.empty() ? 0.0 : (messages_.back().receipt - messages_.front().receipt).toSec();
 }
 
-void RecentMessages::clear() {
-  messages_.clear();
-  before_.clear();
-  bytes_ = 0;
-}
-
 void RecentMessages::drop_oldest() {
   RecentMessage& oldest = messages_.front();
-  bytes_ -= oldest.message->size();
-  if (oldest.latched()) before_[oldest.topic] = std::move(oldest);
+  if (oldest.source->latched()) {
+    const auto [entry, is_new] = before_.try_emplace(oldest.source->topic);
+    if (!is_new) bytes_ -= entry->second.footprint();
+    entry->second = std::move(oldest);
+  } else {
+    bytes_ -= oldest.footprint();
+  }
   messages_.pop_front();
 }
 
-void RecentMessages::add(RecentMessage message) {
-  if (!messages_.empty() && (messages_.back().receipt - message.receipt).toSec() > kTimeBack_s) clear();
-  bytes_ += message.message->size();
+std::shared_ptr<const RecentSource> RecentMessages::source_of(
+    const std::string& topic, const topic_tools::ShapeShifter& message,
+    const boost::shared_ptr<ros::M_string>& connection) {
+  for (auto entry = sources_.begin(); entry != sources_.end();) {
+    const std::shared_ptr<const RecentSource> source = entry->lock();
+    if (!source) {
+      entry = sources_.erase(entry);  // its connection is over, and its messages have gone
+      continue;
+    }
+    if (source->connection == connection && source->topic == topic && source->md5 == message.getMD5Sum() &&
+        source->type == message.getDataType())
+      return source;
+    ++entry;
+  }
+  const auto source = std::make_shared<const RecentSource>(RecentSource{
+      topic, message.getDataType(), message.getMD5Sum(), message.getMessageDefinition(), connection});
+  sources_.push_back(source);
+  return source;
+}
+
+void RecentMessages::add(const std::string& topic, const ros::Time& receipt,
+                         const topic_tools::ShapeShifter& message,
+                         const boost::shared_ptr<ros::M_string>& connection) {
+  if (!messages_.empty() && (messages_.back().receipt - receipt).toSec() > kTimeBack_s)
+    while (!messages_.empty()) drop_oldest();
+  if (RecentMessage::footprint(message.size()) > most_bytes_) {
+    ++dropped_for_size_;  // rather it than all others
+    return;
+  }
+  RecentMessage added{receipt, source_of(topic, message, connection),
+                      std::make_shared<const std::vector<std::uint8_t>>(bytes_of(message))};
+  bytes_ += added.footprint();
   // Nearly always the last; topics overtake one another by a little.
   auto place = messages_.end();
-  while (place != messages_.begin() && std::prev(place)->receipt > message.receipt) --place;
-  messages_.insert(place, std::move(message));
+  while (place != messages_.begin() && std::prev(place)->receipt > receipt) --place;
+  messages_.insert(place, std::move(added));
   while (duration_s() > keep_s_) drop_oldest();
-  while (bytes_ > most_bytes_ && messages_.size() > 1) {
+  while (bytes_ > most_bytes_ && !messages_.empty()) {
     drop_oldest();
     ++dropped_for_size_;
   }
@@ -81,11 +141,12 @@ std::vector<std::string> write_trials(const RecentMessages& recent, const std::s
       bag = new_bag(temporary.string());
       bag->setCompression(rosbag::compression::LZ4);
       const ros::Time begin = next != messages.end() ? next->receipt : messages.back().receipt;
-      for (const auto& entry : held) write(*bag, entry.second, begin);
+      BagOfRecent recent_bag(*bag);
+      for (const auto& entry : held) recent_bag.write(entry.second, begin);
       const ros::Time end = messages.front().receipt + ros::Duration(each_s * static_cast<double>(i + 1));
       for (; next != messages.end() && (i + 1 == count || next->receipt < end); ++next) {
-        write(*bag, *next, next->receipt);
-        if (next->latched()) held[next->topic] = *next;
+        recent_bag.write(*next, next->receipt);
+        if (next->source->latched()) held[next->source->topic] = *next;
       }
       bag->close();
     };

@@ -8,40 +8,56 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace softarm {
 
-/// One message of any type, as it came. Copies share the message.
-struct RecentMessage {
-  std::string topic;
-  ros::Time receipt;
-  boost::shared_ptr<topic_tools::ShapeShifter const> message;
+/// What all messages of a connection have in common. A definition is longer than most messages: each keeping
+/// its own would take twenty times their memory.
+struct RecentSource {
+  std::string topic, type, md5, definition;
   boost::shared_ptr<ros::M_string> connection;  ///< header of its connection; may be null
 
   bool latched() const;
+};
+
+/// One message of any type, as it came. Copies share the message.
+struct RecentMessage {
+  ros::Time receipt;
+  std::shared_ptr<const RecentSource> source;
+  std::shared_ptr<const std::vector<std::uint8_t>> bytes;
+
+  /// What one of so many bytes takes of the memory, with all that is needed to keep it.
+  static std::size_t footprint(std::size_t size);
+  std::size_t footprint() const { return footprint(bytes->size()); }
 };
 
 /// Keeps messages of a last time, in order of receipt, and of each latched topic the newest of before.
 class RecentMessages {
  public:
   /// @param keep_s so long
-  /// @param most_bytes at most so much of the messages themselves: the oldest go first
+  /// @param most_bytes at most so much memory: the oldest go first
   RecentMessages(double keep_s, std::size_t most_bytes) : keep_s_(keep_s), most_bytes_(most_bytes) {}
 
-  /// A message received before the newest one by more than a second (time went back) makes all before it go.
-  void add(RecentMessage message);
-  void clear();
+  /// A message received before the newest one by more than a second (time went back) makes all before it go,
+  /// but for the latched ones. One that is larger than all memory for messages is not kept.
+  void add(const std::string& topic, const ros::Time& receipt, const topic_tools::ShapeShifter& message,
+           const boost::shared_ptr<ros::M_string>& connection);
 
   const std::deque<RecentMessage>& messages() const { return messages_; }
   /// The newest latched message of each topic from before the first of messages().
   const std::map<std::string, RecentMessage>& before() const { return before_; }
+  /// Of the memory, for messages() and before().
   std::size_t bytes() const { return bytes_; }
   double duration_s() const;
   std::uint64_t dropped_for_size() const { return dropped_for_size_; }
 
  private:
+  std::shared_ptr<const RecentSource> source_of(const std::string& topic,
+                                                const topic_tools::ShapeShifter& message,
+                                                const boost::shared_ptr<ros::M_string>& connection);
   void drop_oldest();
 
   double keep_s_;
@@ -49,6 +65,7 @@ class RecentMessages {
   std::uint64_t dropped_for_size_ = 0;
   std::deque<RecentMessage> messages_;
   std::map<std::string, RecentMessage> before_;
+  std::vector<std::weak_ptr<const RecentSource>> sources_;
 };
 
 /// Writes messages as bags of equal duration, `folder`/trial_01.bag ..., each beginning with the latched

@@ -3,6 +3,7 @@
 import os
 import re
 import sys
+import threading
 import time
 import unittest
 
@@ -25,6 +26,7 @@ class DiagnoseNode(unittest.TestCase):
         cls.statuses = {"softarm_diagnose": [], "fails": [], "full_disk": []}
         cls.subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, cls.on_diagnostics, queue_size=100)
         cls.alarms = rospy.Publisher("/test/mismatch", Mismatch, queue_size=10)
+        cls.alarms_of_fails = rospy.Publisher("/test/fails_mismatch", Mismatch, queue_size=10)
         cls.diagnose = rospy.ServiceProxy("/softarm_diagnose/diagnose", Trigger)
         cls.diagnose_failing = rospy.ServiceProxy("/fails/diagnose", Trigger)
         cls.diagnose_on_full_disk = rospy.ServiceProxy("/full_disk/diagnose", Trigger)
@@ -108,6 +110,22 @@ class DiagnoseNode(unittest.TestCase):
         time.sleep(1.5)
         self.assertEqual(count(), before + 1)  # once, however often
         self.assertIn("exit status 0", self.statuses["softarm_diagnose"][-1][1]["last diagnosis"])
+
+    def test_d_alarm_while_a_diagnosis_runs(self):
+        value = lambda key: self.statuses["fails"][-1][1][key]
+        self.assertTrue(self.wait(lambda: self.kept("fails") > 3.0 and self.alarms_of_fails.get_num_connections() > 0, 30.0))
+        before = int(value("diagnoses"))
+        calling = threading.Thread(target=self.diagnose_failing)
+        calling.start()
+        self.assertTrue(self.wait(lambda: value("running") == "yes", 5.0))
+        for alarm in [True, False, True, False]:
+            self.alarms_of_fails.publish(Mismatch(alarm=alarm, description="a test"))
+        self.assertTrue(self.wait(lambda: value("an alarm waits") == "yes", 5.0))
+        calling.join()
+        self.assertTrue(self.wait(lambda: int(value("diagnoses")) == before + 2 and value("running") == "no", 15.0))
+        time.sleep(1.5)
+        self.assertEqual(int(value("diagnoses")), before + 2)  # one for both
+        self.assertEqual(value("an alarm waits"), "no")
 
     def test_e_full_disk(self):
         self.assertTrue(self.wait(lambda: self.kept("full_disk") > 3.0, 30.0))

@@ -4,6 +4,7 @@
 
 #include <ctime>
 #include <filesystem>
+#include <utility>
 
 #include "child.h"
 #include "ros/input_topics.h"
@@ -92,7 +93,7 @@ void DiagnoseNode::work() {
 
 void DiagnoseNode::on_message(const std::string& topic, const Event& event) {
   const std::lock_guard<std::mutex> lock(recent_mutex_);
-  recent_.add({topic, event.getReceiptTime(), event.getConstMessage(), event.getConnectionHeaderPtr()});
+  recent_.add(topic, event.getReceiptTime(), *event.getConstMessage(), event.getConnectionHeaderPtr());
 }
 
 void DiagnoseNode::on_mismatch(const softarm_estimator::Mismatch& mismatch) {
@@ -101,10 +102,12 @@ void DiagnoseNode::on_mismatch(const softarm_estimator::Mismatch& mismatch) {
   if (!begins) return;
   const std::lock_guard<std::mutex> lock(state_mutex_);
   const ros::WallTime now = ros::WallTime::now();
-  if (running_since_ || alarm_at_) return;
+  // One that already waits stands for those that follow; but while a diagnosis runs the newest waits.
+  if (alarm_at_ && !running_since_) return;
   if (last_alarm_run_ && (now - *last_alarm_run_).toSec() < params_.alarm_pause_s) return;
   alarm_at_ = now;
-  ROS_INFO("alarm (%s): a diagnosis in %.0f s", mismatch.description.c_str(), params_.alarm_wait_s);
+  ROS_INFO("alarm (%s): a diagnosis in %.0f s%s", mismatch.description.c_str(), params_.alarm_wait_s,
+           running_since_ ? ", or when the one that runs is over" : "");
 }
 
 bool DiagnoseNode::on_diagnose(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
@@ -128,7 +131,7 @@ DiagnoseNode::Outcome DiagnoseNode::diagnose(const std::string& why) {
   ROS_INFO("diagnosis of the last %.0f s: %s", recent.duration_s(), why.c_str());
   Outcome outcome;
   try {
-    outcome = run(recent);
+    outcome = run(std::move(recent));
   } catch (const std::exception& e) {
     outcome.description = e.what();
   }
@@ -143,7 +146,7 @@ DiagnoseNode::Outcome DiagnoseNode::diagnose(const std::string& why) {
   return outcome;
 }
 
-DiagnoseNode::Outcome DiagnoseNode::run(const RecentMessages& recent) {
+DiagnoseNode::Outcome DiagnoseNode::run(RecentMessages recent) {
   if (recent.duration_s() < kEnoughTrials * params_.trial_s) {
     return {false,
             fmt::format("only {:.1f} s have been recorded: at least {:.1f} s (half of ~trial_s) are needed",
@@ -151,6 +154,7 @@ DiagnoseNode::Outcome DiagnoseNode::run(const RecentMessages& recent) {
   }
   const fs::path folder = new_folder(params_.out, recent.messages().back().receipt);
   const std::vector<std::string> trials = write_trials(recent, (folder / "trials").string(), params_.trial_s);
+  recent = RecentMessages(params_.keep_s, 0);  // they would stay in memory beside what comes meanwhile
   std::vector<std::string> arguments{"diagnose", "--arm", params_.arm_name};
   arguments.insert(arguments.end(), trials.begin(), trials.end());
   arguments.insert(arguments.end(), {"--out", (folder / "report").string()});
@@ -197,6 +201,7 @@ void DiagnoseNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("kept (MB)", fmt::format("{:.1f}", mb));
   status.add("diagnoses", runs_);
   status.add("running", running_since_ ? "yes" : "no");
+  status.add("an alarm waits", alarm_at_ ? "yes" : "no");
   if (last_) status.add("last diagnosis", last_->description);
 }
 

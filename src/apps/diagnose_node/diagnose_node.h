@@ -36,7 +36,7 @@ struct DiagnoseNodeParams {
 /// 1. Every message of the arm's topics goes into RecentMessages, in the thread of spin().
 /// 2. ~diagnose (std_srvs/Trigger), or an alarm of ~mismatch where params.on_alarm is set, takes a copy of
 /// them (the messages are shared), writes it as trials and runs the program on these, in a thread of its own:
-/// recording goes on.
+/// recording goes on. An alarm that comes meanwhile waits until that is over.
 /// 3. The answer, and /diagnostics once a second, have the program's exit status and the report's path.
 class DiagnoseNode {
  public:
@@ -60,7 +60,7 @@ class DiagnoseNode {
   void work();
   /// Of the whole thing; at most one at a time. @param why for the log
   Outcome diagnose(const std::string& why);
-  Outcome run(const RecentMessages& recent);
+  Outcome run(RecentMessages recent);
   void report(diagnostic_updater::DiagnosticStatusWrapper& status);
 
   ros::NodeHandle nh_, private_nh_;
@@ -78,7 +78,8 @@ class DiagnoseNode {
   std::mutex state_mutex_;
   std::optional<ros::WallTime> running_since_;
   std::optional<Outcome> last_;
-  std::optional<ros::WallTime> alarm_at_, last_alarm_run_;
+  std::optional<ros::WallTime> alarm_at_;  // of the alarm whose diagnosis is still to begin
+  std::optional<ros::WallTime> last_alarm_run_;
   bool was_alarm_ = false;
   std::uint64_t runs_ = 0;
 
