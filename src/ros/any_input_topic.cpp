@@ -95,7 +95,7 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
         ROS_WARN_THROTTLE(10.0, "%s: a message cannot be read: %s", topic.c_str(), e.what());
         assembler.count_rejected("undecodable", feeds);
       }
-      on_message(header ? &*header : nullptr);
+      on_message(header ? &*header : nullptr, event.getPublisherName());
     };
     return nh.subscribe<topic_tools::ShapeShifter, const Event&>(
         topic, kSubscriberQueue, callback, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());

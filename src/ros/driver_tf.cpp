@@ -34,6 +34,7 @@ std::vector<InputTopic> tf_topics(const arm::Arm&, const arm::BodySource& source
   };
   InputTopic topic = make_input_topic<tf2_msgs::TFMessage>(source.topic, names_of(bodies), convert);
   topic.other_types = {"tf/tfMessage"};  // the same message, in old bags
+  topic.many_publish = true;
   return {topic};
 }
 

@@ -19,8 +19,6 @@ namespace softarm {
 namespace {
 
 constexpr std::uint32_t kPublisherQueue = 1000;
-// A larger step of header.seq is another publisher, not a loss.
-constexpr std::uint32_t kLargestLoss = 10000;
 // More messages, or more time by their stamps, at once than come in a few milliseconds: the machine was busy
 // elsewhere. Well below what frames wait for a body.
 constexpr std::uint64_t kHiccupMessages = 100;
@@ -83,7 +81,9 @@ EstimatorNode::EstimatorNode(const ros::NodeHandle& nh, const ros::NodeHandle& p
     Source& source = *sources_.back();
     source.input = std::move(input);
     source.subscriber = source.input.subscribe(
-        nh_, assembler_, [this, &source](const std_msgs::Header* header) { on_message(source, header); });
+        nh_, assembler_, [this, &source](const std_msgs::Header* header, const std::string& publisher) {
+          on_message(source, header, publisher);
+        });
   }
 }
 
@@ -125,15 +125,17 @@ void EstimatorNode::drain() {
   }
 }
 
-void EstimatorNode::on_message(Source& source, const std_msgs::Header* header) {
+void EstimatorNode::on_message(Source& source, const std_msgs::Header* header, const std::string& publisher) {
   ++source.messages;
   ++messages_;
-  if (header) {
-    if (source.sequence && header->seq > *source.sequence + 1 &&
-        header->seq - *source.sequence < kLargestLoss) {
-      statistics_.lost[source.input.topic] += header->seq - *source.sequence - 1;
-    }
-    source.sequence = header->seq;
+  const auto sequence = header ? std::optional<std::uint32_t>(header->seq) : std::nullopt;
+  const std::uint32_t lost = source.publishers.add(publisher, sequence);
+  if (lost > 0) statistics_.lost[source.input.topic] += lost;
+  if (source.said_two) return;
+  if (const std::optional<std::string> two = source.two_publishers()) {
+    source.said_two = true;
+    ROS_WARN("two publishers on %s: %s: their messages are mixed, stop one of them",
+             nh_.resolveName(source.input.topic).c_str(), two->c_str());
   }
 }
 

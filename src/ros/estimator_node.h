@@ -20,6 +20,7 @@
 #include "overload.h"
 #include "softarm/estimate/estimator.h"
 #include "softarm/monitor/mismatch_monitor.h"
+#include "topic_publishers.h"
 #include "trial/frame_assembler.h"
 
 namespace softarm {
@@ -57,10 +58,12 @@ class EstimatorNode {
     InputTopic input;
     ros::Subscriber subscriber;
     std::uint64_t messages = 0, messages_before = 0;  // until now, and at the last diagnostics
-    std::optional<std::uint32_t> sequence;
+    TopicPublishers publishers;
+    bool said_two = false;  // publishers
+    std::optional<std::string> two_publishers() const;
   };
 
-  void on_message(Source& source, const std_msgs::Header* header);
+  void on_message(Source& source, const std_msgs::Header* header, const std::string& publisher);
   void drain();
   bool is_hiccup(std::uint64_t messages);
   void process();
@@ -84,6 +87,7 @@ class EstimatorNode {
   void diagnose_bodies(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_values(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_rejections(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void diagnose_publishers(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose_silent_topics(diagnostic_updater::DiagnosticStatusWrapper& status);
   bool is_needed(int input) const;
   void on_diagnostics_timer();

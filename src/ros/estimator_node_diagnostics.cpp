@@ -62,7 +62,17 @@ void EstimatorNode::on_diagnostics_timer() {
   time_jumps_before_ = assembler_.time_jumps();
   not_finite_before_ = statistics_.not_finite_messages;
   lost_before_ = total(statistics_.lost);
-  for (const auto& source : sources_) source->messages_before = source->messages;
+  for (const auto& source : sources_) {
+    source->messages_before = source->messages;
+    source->publishers.end_period();
+  }
+}
+
+/// "/a, /b"; where that is usual, nothing.
+std::optional<std::string> EstimatorNode::Source::two_publishers() const {
+  const auto two = input.many_publish ? std::nullopt : publishers.two();
+  if (!two) return std::nullopt;
+  return two->first + ", " + two->second;
 }
 
 std::string EstimatorNode::waiting_for() const {
@@ -145,6 +155,7 @@ void EstimatorNode::diagnose_inputs(DiagnosticStatusWrapper& status) {
   diagnose_bodies(status);
   diagnose_values(status);
   diagnose_rejections(status);
+  diagnose_publishers(status);
   diagnose_silent_topics(status);
 }
 
@@ -228,6 +239,16 @@ void EstimatorNode::diagnose_rejections(DiagnosticStatusWrapper& status) {
   status.add("samples received", assembler_.samples());
   status.add("samples rejected", total(assembler_.rejected()));
   for (const auto& [reason, count] : assembler_.rejected()) status.add("rejected: " + reason, count);
+}
+
+void EstimatorNode::diagnose_publishers(DiagnosticStatusWrapper& status) {
+  for (const auto& source : sources_) {
+    const std::optional<std::string> two = source->two_publishers();
+    if (!two) continue;
+    const std::string topic = nh_.resolveName(source->input.topic);
+    status.mergeSummary(DiagnosticStatus::WARN, fmt::format("two publishers on {}: {}", topic, *two));
+    status.add("publishers of " + topic, *two);
+  }
 }
 
 void EstimatorNode::diagnose_silent_topics(DiagnosticStatusWrapper& status) {

@@ -21,8 +21,9 @@ namespace softarm {
 /// How many messages of a topic may wait: 4 s at 240 Hz.
 constexpr std::uint32_t kSubscriberQueue = 1000;
 
-/// Called after a live message has been added, with its header (null if the type has none).
-using OnMessage = std::function<void(const std_msgs::Header*)>;
+/// Called after a live message has been added, with its header (null if the type has none) and the name of
+/// the node that published it.
+using OnMessage = std::function<void(const std_msgs::Header*, const std::string&)>;
 
 /// A topic, its type, and what to do with its messages.
 struct InputTopic {
@@ -33,6 +34,7 @@ struct InputTopic {
   std::vector<std::string> other_types;  ///< that old recordings have for the same message
   bool feeds_base = false;               ///< the base's body
   bool feeds_bodies = false;             ///< measured bodies
+  bool many_publish = false;             ///< several publishers are usual on it
   bool has_type(const std::string& name) const {
     return name == type || std::find(other_types.begin(), other_types.end(), name) != other_types.end();
   }
@@ -75,7 +77,7 @@ InputTopic make_input_topic(
       const Message& message = *event.getConstMessage();
       assembler.begin_message(topic, feeds);
       convert(message, to_stamp(event.getReceiptTime()), assembler);
-      on_message(ros::message_traits::header(message));
+      on_message(ros::message_traits::header(message), event.getPublisherName());
     };
     return nh.subscribe<Message, const Event&>(topic, kSubscriberQueue, callback, ros::VoidConstPtr(),
                                                ros::TransportHints().tcpNoDelay());

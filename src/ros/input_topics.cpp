@@ -31,7 +31,9 @@ InputTopic payload_topic(const arm::Arm& arm) {
                           trial::FrameAssembler& assembler) {
     assembler.add_payload(headerless_stamp(receipt, assembler), message.data);
   };
-  return make_input_topic<std_msgs::Float64>(arm.inputs.payload_topic, "payload", convert);
+  InputTopic topic = make_input_topic<std_msgs::Float64>(arm.inputs.payload_topic, "payload", convert);
+  topic.many_publish = true;  // whoever hangs another one
+  return topic;
 }
 
 /// The topics of the base's body and of the measured ones, which may come two ways.

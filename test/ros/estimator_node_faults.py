@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The estimator node on a real roscore: every fault is visible in /diagnostics, none makes it publish NaN or die."""
 import os
+import subprocess
 import sys
 import threading
 import time
@@ -19,6 +20,19 @@ from std_srvs.srv import Trigger  # noqa: E402
 from visualization_msgs.msg import Marker  # noqa: E402
 
 NAN = float("nan")
+# Another node, which publishes on a driver's topic.
+SECOND = """
+import rospy
+from geometry_msgs.msg import PoseStamped
+rospy.init_node("second_driver")
+publisher = rospy.Publisher("/mocap/ring_1/pose", PoseStamped, queue_size=10)
+rate = rospy.Rate(50)
+while not rospy.is_shutdown():
+    message = PoseStamped()
+    message.header.stamp = rospy.Time.now()
+    publisher.publish(message)
+    rate.sleep()
+"""
 
 
 class Faults(unittest.TestCase):
@@ -274,6 +288,28 @@ class Faults(unittest.TestCase):
         self.assertGreaterEqual(len(estimates), 478)
         self.assertGreater(estimates[-1].header.stamp.secs, 2208988800)
         self.assertIn("another clock", self.listener.task("frames").message)
+
+    def test_p_two_publishers_are_no_losses(self):
+        self.feed(24)
+        self.listener.fresh()
+        lost = self.listener.value("frames", "messages lost on their way")
+        second = subprocess.Popen([sys.executable, "-c", SECOND])
+        feeding = threading.Thread(target=self.feeder.feed, args=(1920,))
+        feeding.start()
+        try:
+            said = self.listener.wait(lambda: "two publishers on" in self.listener.task("inputs").message, 8.0)
+            message = self.listener.task("inputs").message
+        finally:
+            second.terminate()
+            second.wait()
+            feeding.join()
+        self.assertTrue(said, message)
+        self.assertRegex(message, r"two publishers on /mocap/ring_1/pose: /\w+, /\w+")
+        self.assertEqual(self.listener.task("inputs").level, DiagnosticStatus.WARN)
+        self.feed(720)
+        self.listener.fresh()
+        self.assertNotIn("two publishers", self.listener.task("inputs").message)
+        self.assertEqual(self.listener.value("frames", "messages lost on their way"), lost)
 
 
 if __name__ == "__main__":
