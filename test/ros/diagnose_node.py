@@ -11,8 +11,10 @@ import rosbag
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import TransformStamped
 from softarm_estimator.msg import Mismatch
 from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
 
 HOME = os.environ["ROS_HOME"]
 POSES = ["/mocap/%s/pose" % body for body in ["base", "ring_1", "ring_2", "ring_3", "ring_4"]]
@@ -126,6 +128,26 @@ class DiagnoseNode(unittest.TestCase):
         time.sleep(1.5)
         self.assertEqual(int(value("diagnoses")), before + 2)  # one for both
         self.assertEqual(value("an alarm waits"), "no")
+
+    def test_d_base_and_rings_on_one_topic(self):
+        diagnose = rospy.ServiceProxy("/on_tf/diagnose", Trigger)
+        diagnose.wait_for_service(15.0)
+        publisher = rospy.Publisher("/test/tf", TFMessage, queue_size=100)
+        self.assertTrue(self.wait(lambda: publisher.get_num_connections() > 0))
+        for k in range(80):
+            message = TransformStamped()
+            message.header.stamp = rospy.Time.now()
+            publisher.publish(TFMessage(transforms=[message]))
+            time.sleep(0.03)
+        time.sleep(0.3)
+        answer = diagnose()
+        self.assertTrue(answer.success, answer.message)
+        trials = os.path.join(os.path.dirname(os.path.dirname(re.search(r"report: (\S+)", answer.message).group(1))), "trials")
+        kept = 0
+        for trial in os.listdir(trials):
+            with rosbag.Bag(os.path.join(trials, trial)) as bag:
+                kept += bag.get_message_count("/test/tf")
+        self.assertEqual(kept, 80)  # each once
 
     def test_e_full_disk(self):
         self.assertTrue(self.wait(lambda: self.kept("full_disk") > 3.0, 30.0))

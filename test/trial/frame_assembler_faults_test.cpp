@@ -1,6 +1,7 @@
 // Frozen and jumping bodies, jumps of time, pressures and payload.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <string>
 
@@ -72,6 +73,24 @@ TEST(FrameAssemblerFrozen, AMountWithoutNoiseIsNoFaultButAFrozenTrackerIs) {
   }
   EXPECT_TRUE(still.rejected().empty());
   EXPECT_GT(count(stuck.rejected(), "frozen base"), 300u);
+}
+
+/// Of a lone ring it is what drives the arm that says that it should move.
+TEST(FrameAssemblerFrozen, ADamagedStampOfAnInputFreezesNoRingThatRests) {
+  arm::Arm arm = three_ring_arm();
+  arm.bodies.erase(arm.bodies.begin(), arm.bodies.begin() + 2);
+  for (bool goes_on : {true, false}) {  // the input, as it was
+    trial::FrameAssembler assembler(arm, without_waiting());
+    Feeder feed(assembler);
+    for (int k = 0; k < 480; ++k) {
+      const bool changed = goes_on ? k == 20 : k >= 20;
+      assembler.add_input(0, feed.stamp(k) + (k == 20 ? 1e6 : 0.0), changed ? 1.3e5 : 1.2e5);
+      feed.body_at(-1, feed.stamp(k), 0);
+      feed.body_at(0, feed.stamp(k), std::min(k, 60));  // a simulation without noise, at rest from then on
+    }
+    EXPECT_EQ(count(assembler.rejected(), "frozen ring_3"), 0u);
+    EXPECT_EQ(assembler.take().size(), 480u);
+  }
 }
 
 TEST(FrameAssemblerJump, ShortJumpIsDroppedAndARealMoveFollowed) {

@@ -4,6 +4,7 @@
 
 #include <ctime>
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "child.h"
@@ -40,8 +41,9 @@ DiagnoseNode::DiagnoseNode(const ros::NodeHandle& nh, const ros::NodeHandle& pri
       params_(params),
       recent_(params.keep_s, static_cast<std::size_t>(1e6 * params.most_mb)),
       updater_(nh_, private_nh_, ros::this_node::getName()) {
-  for (const InputTopic& input : input_topics(params_.arm)) {
-    const std::string topic = nh_.resolveName(input.topic);
+  std::set<std::string> topics;  // base and rings may come on one: its messages are kept once
+  for (const InputTopic& input : input_topics(params_.arm)) topics.insert(nh_.resolveName(input.topic));
+  for (const std::string& topic : topics) {
     const boost::function<void(const Event&)> callback = [this, topic](const Event& event) {
       on_message(topic, event);
     };
