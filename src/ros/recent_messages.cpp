@@ -58,7 +58,8 @@ bool RecentSource::latched() const {
 
 std::size_t RecentMessage::footprint(std::size_t size) {
   // Its place in the deque, whose blocks are never quite full; the vector; the vector's bytes.
-  return sizeof(RecentMessage) + sizeof(void*) + on_heap(kCounters + sizeof(*bytes)) + on_heap(size);
+  return sizeof(RecentMessage) + sizeof(void*) + on_heap(kCounters + sizeof(std::vector<std::uint8_t>)) +
+         on_heap(size);
 }
 
 double RecentMessages::duration_s() const {
