@@ -51,9 +51,11 @@ class Contact : public Described {
   std::optional<std::pair<double, double>> place(const arm::Arm&, const Values& values) const override {
     return std::make_pair(values[1], values[1]);
   }
-  bool holds_place() const override { return true; }
-  double held_place_m(const FineRod&, const Values& values) const override { return values[1]; }
-  Vector3d holding_force_n(const FineRod&, const Values& values, const Vector3d& place_m,
+  bool holds_places() const override { return true; }
+  std::vector<double> held_places_m(const FineRod&, const Values& values) const override {
+    return {values[1]};
+  }
+  Vector3d holding_force_n(const FineRod&, const Values& values, std::size_t, const Vector3d& place_m,
                            const Memory& memory) const override {
     const Touch touch(values, place_m);
     if (touch.depth_m <= 0.0) return Vector3d::Zero();

@@ -47,10 +47,12 @@ class Tether : public Described {
            rod::Rod& rod) const override {
     rod.loads[rod::kTipMassLoad].mass_kg += values[1];
   }
-  bool holds_place() const override { return true; }
-  double held_place_m(const FineRod& fine, const Values&) const override { return fine.length_m(); }
-  Eigen::Vector3d holding_force_n(const FineRod& fine, const Values& values, const Eigen::Vector3d& place_m,
-                                  const Memory&) const override {
+  bool holds_places() const override { return true; }
+  std::vector<double> held_places_m(const FineRod& fine, const Values&) const override {
+    return {fine.length_m()};
+  }
+  Eigen::Vector3d holding_force_n(const FineRod& fine, const Values& values, std::size_t,
+                                  const Eigen::Vector3d& place_m, const Memory&) const override {
     // What it hangs on stands still, whatever the arm's base does.
     const rod::Rod& rest = fine.layout();
     const Eigen::Vector3d anchor =

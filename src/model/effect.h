@@ -152,14 +152,16 @@ class Effect {
   virtual void act(const arm::Arm&, const FineRod&, const Values&, const Instant&, const Shape*,
                    const Memory&, rod::Rod&) const {}
   virtual bool needs_shape() const { return false; }
-  /// Whether it holds one place of the arm with a force that depends on where that place is, and on nothing
-  /// else of the shape: a wall, a hose. It needs the shape, and act() leaves that force out.
-  virtual bool holds_place() const { return false; }
-  /// That place, m from the base.
-  virtual double held_place_m(const FineRod&, const Values&) const { return 0.0; }
-  /// That force, N, rod's base frame. @param place_m where the place is, rod's base frame
-  virtual Eigen::Vector3d holding_force_n(const FineRod&, const Values&, const Eigen::Vector3d& /*place_m*/,
-                                          const Memory&) const {
+  /// Whether it holds places of the arm, each with a force that depends on where that place is, and on
+  /// nothing else of the shape: a wall, a hose. It needs the shape, and act() leaves these forces out.
+  virtual bool holds_places() const { return false; }
+  /// Those places, m from the base: as many whatever the sizes are.
+  virtual std::vector<double> held_places_m(const FineRod&, const Values&) const { return {}; }
+  /// The force on one of them, N, rod's base frame.
+  /// @param which of held_places_m()
+  /// @param place_m where that place is, rod's base frame
+  virtual Eigen::Vector3d holding_force_n(const FineRod&, const Values&, std::size_t /*which*/,
+                                          const Eigen::Vector3d& /*place_m*/, const Memory&) const {
     return Eigen::Vector3d::Zero();
   }
   /// Of one that needs the shape: whether what it makes of a small change of it hardly differs from one

@@ -16,9 +16,10 @@ HeldPlaces::HeldPlaces(const FineRod& fine, const std::vector<Present>& effects,
                        const std::vector<Memory>& memories)
     : fine_(fine) {
   for (std::size_t i = 0; i < effects.size(); ++i) {
-    if (effects[i].effect->holds_place())
-      holding_.push_back(
-          {&effects[i], &memories[i], effects[i].effect->held_place_m(fine, effects[i].values)});
+    if (!effects[i].effect->holds_places()) continue;
+    const std::vector<double> places_m = effects[i].effect->held_places_m(fine, effects[i].values);
+    for (std::size_t k = 0; k < places_m.size(); ++k)
+      holding_.push_back({&effects[i], &memories[i], k, places_m[k]});
   }
 }
 
@@ -40,7 +41,7 @@ Eigen::VectorXd HeldPlaces::forces_n(const Eigen::VectorXd& positions_m) const {
   for (std::size_t i = 0; i < holding_.size(); ++i) {
     const Holding& one = holding_[i];
     const auto at = 3 * static_cast<Eigen::Index>(i);
-    forces.segment<3>(at) = one.present->effect->holding_force_n(fine_, one.present->values,
+    forces.segment<3>(at) = one.present->effect->holding_force_n(fine_, one.present->values, one.which,
                                                                  positions_m.segment<3>(at), *one.memory);
   }
   return forces;

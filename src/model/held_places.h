@@ -8,8 +8,8 @@
 
 namespace softarm::model {
 
-/// The effects of a model that hold a place (Effect::holds_place). Vectors have three components for each of
-/// them: forces, N, and positions, m, rod's base frame.
+/// The places that effects of a model hold (Effect::holds_places), effect by effect. Vectors have three
+/// components for each of them: forces, N, and positions, m, rod's base frame.
 class HeldPlaces {
  public:
   /// @param effects and memories must outlive it
@@ -32,6 +32,7 @@ class HeldPlaces {
   struct Holding {
     const Present* present;
     const Memory* memory;
+    std::size_t which;  ///< of the effect's places
     double place_m;
   };
   const FineRod& fine_;

@@ -35,7 +35,7 @@ arm::InputValues input_values(const Eigen::VectorXd& v) {
 /// Whether nothing else depends on the shape than the forces that hold places.
 bool needs_only_places(const std::vector<Present>& effects) {
   return std::none_of(effects.begin(), effects.end(),
-                      [](const Present& p) { return p.effect->needs_shape() && !p.effect->holds_place(); });
+                      [](const Present& p) { return p.effect->needs_shape() && !p.effect->holds_places(); });
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ TEST_F(LoadSignatures, ARoundPostPushesAwayFromItsAxis) {
   const model::Present post = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 1.0 / radius});
   const Vector3d axis = (distance + radius) * Vector3d(std::cos(0.4), std::sin(0.4), 0.0);
   const auto force = [&](const model::Present& of, const Vector3d& at) {
-    return of.effect->holding_force_n(model.rod(), of.values, at, {});
+    return of.effect->holding_force_n(model.rod(), of.values, 0, at, {});
   };
   for (const Vector3d& at :
        {Vector3d(0.022, 0.005, 0.1), Vector3d(0.02, 0.018, 0.12), Vector3d(0.035, 0.02, 0.1),
