@@ -221,7 +221,7 @@ std::vector<JointUnknown> JointModel::columns(const JointParameters& parameters)
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
       const model::Parameter& parameter = info.parameters[k];
       // What has no end is no number of the physics, but says where a law was learnt.
-      if (parameter.counts || !std::isfinite(parameter.high) ||
+      if (parameter.counts || parameter.held || !std::isfinite(parameter.high) ||
           !parameters.effects[e].effect->has_parameter(arm_, static_cast<int>(k)))
         continue;
       const bool size = k < static_cast<std::size_t>(info.sizes);

@@ -25,7 +25,10 @@ struct Parameter {
   /// value.
   double usual = 0.0;
   bool counts = false;  ///< it numbers something, and cannot be varied a little
-  bool along = false;   ///< arclength of a place on the arm: no larger than the arm's length
+  bool along = false;   ///< a length along the arm, as of a place from the base: no larger than the arm's
+  /// Fits leave it as it is: trials tell values apart that differ much, but a small change of it changes
+  /// hardly anything. Those that are worth a fit are in the grid, or Effect::like() has them.
+  bool held = false;
 };
 
 /// Where an effect sits in the model; also who its natural rivals are.
@@ -138,7 +141,7 @@ class Effect {
   /// separated; sizes 0. One entry of zeros and usual values by default.
   virtual std::vector<Values> grid(const arm::Arm& arm, const FineRod& rod) const;
   /// Its values where it does nearly what another effect does at its own: a wall and a hose that grows taut.
-  /// Nothing where it cannot.
+  /// Or what it does itself with another value of a number that fits hold. Nothing where it cannot.
   virtual std::optional<Values> like(const Effect& /*other*/, const Values& /*of_other*/,
                                      const FineRod&) const {
     return std::nullopt;

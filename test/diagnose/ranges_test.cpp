@@ -119,6 +119,7 @@ TEST(Ranges, APlaceOnTheArmIsLookedForWithinItsLength) {
       if (c.kind != JointUnknown::Kind::kEffect) continue;
       const model::Parameter& parameter =
           effects::find(id)->info().parameters[static_cast<std::size_t>(c.parameter)];
+      EXPECT_FALSE(parameter.held) << parameter.symbol << " is no unknown";
       EXPECT_EQ(c.high, parameter.along ? drawn.arm.total_length_m() : parameter.high) << parameter.symbol;
       places += parameter.along;
     }

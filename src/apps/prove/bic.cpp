@@ -71,7 +71,7 @@ double price(const EvidenceData& data, const EffectList& effects) {
   for (const Effect* effect : effects) {
     const std::vector<model::Parameter>& all = effect->info().parameters;
     const auto fitted =
-        std::count_if(all.begin(), all.end(), [](const model::Parameter& p) { return !p.counts; });
+        std::count_if(all.begin(), all.end(), [](const model::Parameter& p) { return !p.counts && !p.held; });
     const auto own = std::find_if(data.effects.begin(), data.effects.end(),
                                   [&](const Signature& s) { return s.effect == effect; });
     const double choices = own == data.effects.end() ? 0.0 : 2.0 * own->log_choices;
