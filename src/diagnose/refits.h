@@ -56,8 +56,8 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s,
 void finish_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted);
 
 /// What can do nearly the same as the effect that explains most, a wall what a hose does, is fitted from
-/// where that one's refit ended, too: from the screen it may have begun too far off. The better of its two
-/// stays.
+/// where that one's refit ended, too: from the screen it may have begun too far off. So is that effect itself
+/// with another value of a number that fits hold. The better of its two stays.
 void refit_what_is_alike(JointModel& model, const Standing& current, const std::vector<Screened>& screened,
                          std::vector<Refitted>& refitted);
 

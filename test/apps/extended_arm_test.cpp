@@ -147,11 +147,13 @@ TEST(ExtendedArm, ATetherThatIsSlackAndWeighsIsTheRigsHose) {
   for (const char* number : {"form: hose", "hose_kg: 0.02", "anchor_distance_m: 0.05", "slack_m: 0.25",
                              "form: tank", "refill_pa_per_s: 5000", "reference_pa: 150000"})
     EXPECT_NE(truth.find(number), std::string::npos) << number << " in\n" << truth;
-  // What pulls at the straight arm, too, and has a length; what comes back; a loss that bends.
+  // What pulls at the straight arm, too, and has a length; what comes back; a loss that bends; a wall all
+  // along the arm, whose law is another in the rig.
   for (const arm::EffectEntry& entry : std::vector<arm::EffectEntry>{
            {"tether", {{"stiffness_n_per_m", 2.0}, {"anchor_x_m", 0.05}, {"length_m", 0.04}}},
            {"supply_sag", {{"share", 0.3}, {"returned", 0.5}}},
-           {"supply_sag", {{"share", 0.3}, {"bends", 2.0}}}}) {
+           {"supply_sag", {{"share", 0.3}, {"bends", 2.0}}},
+           {"contact", {{"stiffness_n_per_m", 50.0}, {"place_m", 0.12}, {"extent_m", 0.08}}}}) {
     dir.write("arm.yaml", extended({entry}));
     const Outcome refused = softarm_program("simulate --force " + scenario + " --out " + dir / "trial.bag");
     EXPECT_NE(refused.status, 0) << entry.id;

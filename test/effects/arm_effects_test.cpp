@@ -69,6 +69,23 @@ TEST(ArmEffects, WhatIsLeftOutIsUsualAndSizesAreNought) {
   EXPECT_DOUBLE_EQ(list[1].values[0], 0.0);
 }
 
+/// Of before a contact could be all along a stretch, and of before it could be a round post.
+TEST(ArmEffects, AContactOfAnOldFileTouchesAtOnePlace) {
+  const std::string path = ::testing::TempDir() + "old_contact.yaml";
+  for (const std::string more : {", friction: 0.3", ", friction: 0.3, curvature_per_m: 25"}) {
+    std::ifstream in(std::string(SOFTARM_SOURCE_DIR) + "/config/arms/online_200mm.yaml");
+    std::ofstream(path) << in.rdbuf() << "effects: [{id: contact, parameters: {stiffness_n_per_m: 80, "
+                        << "place_m: 0.15, azimuth_rad: 0.3, distance_m: 0.01" << more << "}}]\n";
+    const arm::Arm arm = arm::load_arm_file(path);
+    const std::vector<model::Present> list = effects::load_effects(arm, path);
+    ASSERT_EQ(list.size(), 1u);
+    const model::Info& info = list[0].effect->info();
+    ASSERT_EQ(info.parameters.back().symbol, "extent_m");
+    EXPECT_EQ(list[0].values[list[0].values.size() - 1], 0.0);
+    EXPECT_EQ(list[0].effect->held_places_m(model::FineRod(arm), list[0].values), std::vector<double>{0.15});
+  }
+}
+
 TEST(ArmEffects, StandardDeviationsComeAlongAndBack) {
   const arm::Arm arm = shipped_arm("online_200mm");
   const arm::EffectEntry entry{"creep", {{"share", 0.2, 0.03}, {"time_s", 5.0}}};

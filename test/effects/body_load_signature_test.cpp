@@ -68,7 +68,10 @@ TEST_F(LoadSignatures, WhatIsSomewhereAlongTheArmSaysWhere) {
   const auto place = [this](const model::Present& present) {
     return present.effect->place(arm, present.values).value();
   };
-  EXPECT_EQ(place(with("contact", {50.0, 0.15, 0.0, 0.02, 0.0, 0.0})), (std::pair{0.15, 0.15}));
+  EXPECT_EQ(place(with("contact", {50.0, 0.15, 0.0, 0.02, 0.0, 0.0, 0.0})), (std::pair{0.15, 0.15}));
+  const auto [begin_m, end_m] = place(with("contact", {50.0, 0.15, 0.0, 0.02, 0.0, 0.0, 0.08}));
+  EXPECT_NEAR(begin_m, 0.07, 1e-12);
+  EXPECT_EQ(end_m, 0.2);
   const auto [from_m, to_m] = place(with("soft_spot", {0.3, 0.1, 0.04}));
   EXPECT_NEAR(from_m, 0.08, 1e-12);
   EXPECT_NEAR(to_m, 0.12, 1e-12);
@@ -76,7 +79,7 @@ TEST_F(LoadSignatures, WhatIsSomewhereAlongTheArmSaysWhere) {
 }
 
 TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
-  const model::Present wall = with("contact", {50.0, 0.15, 0.0, 0.02, 0.0, 0.0});
+  const model::Present wall = with("contact", {50.0, 0.15, 0.0, 0.02, 0.0, 0.0, 0.0});
   double last = 0.0;
   bool touched = false, free = false;
   for (const double level : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
@@ -98,7 +101,7 @@ TEST_F(LoadSignatures, ContactDoesNothingBeforeItTouches) {
 
 TEST_F(LoadSignatures, ARoundPostPushesAwayFromItsAxis) {
   const double stiffness = 40.0, distance = 0.02, radius = 0.015;
-  const model::Present post = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 1.0 / radius});
+  const model::Present post = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 1.0 / radius, 0.0});
   const Vector3d axis = (distance + radius) * Vector3d(std::cos(0.4), std::sin(0.4), 0.0);
   const auto force = [&](const model::Present& of, const Vector3d& at) {
     return of.effect->holding_force_n(model.rod(), of.values, 0, at, {});
@@ -111,12 +114,12 @@ TEST_F(LoadSignatures, ARoundPostPushesAwayFromItsAxis) {
     const Vector3d expected = depth > 0.0 ? Vector3d(stiffness * depth * out.normalized()) : Vector3d::Zero();
     EXPECT_LT((force(post, at) - expected).norm(), 1e-12) << at.transpose();
   }
-  const model::Present wall = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 0.0});
+  const model::Present wall = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 0.0, 0.0});
   const Vector3d beside(0.045, 0.0, 0.1);
   EXPECT_GT(force(wall, beside).norm(), 0.1);
   EXPECT_EQ(force(post, beside).norm(), 0.0) << "the arm passes it";
   // One of a kilometre is a wall.
-  const model::Present wide = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 1e-3});
+  const model::Present wide = with("contact", {stiffness, 0.15, 0.4, distance, 0.0, 1e-3, 0.0});
   const Vector3d deep(0.02, 0.03, 0.1);
   ASSERT_GT(force(wall, deep).norm(), 0.1);
   EXPECT_LT((force(wide, deep) - force(wall, deep)).norm(), 1e-4);
@@ -138,8 +141,8 @@ TEST_F(LoadSignatures, ARoughWallHoldsTheArmWhereItTouchesAndLetsItSlip) {
   const auto trial = body_testing::trial_of(weightless, conditions, true);
   const auto y_of = [&](double mu) {
     std::vector<double> y;
-    for (const auto& now :
-         body_testing::predict(model, arm, {with("contact", {stiffness, 0.15, 0.0, 0.02, mu, 0.0})}, trial))
+    for (const auto& now : body_testing::predict(
+             model, arm, {with("contact", {stiffness, 0.15, 0.0, 0.02, mu, 0.0, 0.0})}, trial))
       y.push_back(now.p(1, 2));
     return y;
   };
@@ -171,7 +174,7 @@ TEST_F(LoadSignatures, TetherPullsInProportionToTheTipsWay) {
 }
 
 TEST_F(LoadSignatures, AHoseThatGrowsTautAndAWallDoNearlyTheSame) {
-  const model::Present wall = with("contact", {60.0, 0.2, 0.3, 0.02, 0.0, 0.0});
+  const model::Present wall = with("contact", {60.0, 0.2, 0.3, 0.02, 0.0, 0.0, 0.0});
   model::Present hose = with("tether", {0.0, 0.0, 0.0, 0.0, 0.0});
   const auto as_hose = hose.effect->like(*wall.effect, wall.values, model.rod());
   ASSERT_TRUE(as_hose);
@@ -195,6 +198,30 @@ TEST_F(LoadSignatures, AHoseThatGrowsTautAndAWallDoNearlyTheSame) {
   EXPECT_NEAR(std::hypot((*of_longer)[2], (*of_longer)[3]), 1.0, 1e-9);
   EXPECT_FALSE(
       wall.effect->like(*with("tip_mass", {0.1}).effect, body_testing::values_of({0.1}), model.rod()));
+}
+
+TEST_F(LoadSignatures, AWallAlongAStretchAndOneThatTouchesAtOnePlaceDoNearlyTheSame) {
+  const model::Present at_one = with("contact", {60.0, 0.17, 0.3, 0.02, 0.4, 3.0, 0.0});
+  model::Present spread = at_one;
+  const auto as_spread = spread.effect->like(*at_one.effect, at_one.values, model.rod());
+  ASSERT_TRUE(as_spread);
+  spread.values = *as_spread;
+  EXPECT_EQ(spread.values.segment<4>(2), at_one.values.segment<4>(2));
+  const auto [from_m, to_m] = *spread.effect->place(arm, spread.values);
+  EXPECT_GT(to_m - from_m, 0.5 * arm.total_length_m());
+  for (const double level : {0.8, 1.0}) {
+    const Condition condition{inputs(level), 0.0, hanging()};
+    const Matrix3Xd by_one = moved(at_one, {condition});
+    EXPECT_GT(by_one.norm(), 1e-3) << level;
+    EXPECT_LT((moved(spread, {condition}) - by_one).norm(), 0.5 * by_one.norm()) << level;
+  }
+  // And back again.
+  const auto again = at_one.effect->like(*spread.effect, spread.values, model.rod());
+  ASSERT_TRUE(again);
+  EXPECT_EQ((*again)[6], 0.0);
+  EXPECT_DOUBLE_EQ((*again)[0], at_one.values[0]);
+  EXPECT_GT((*again)[1], from_m);
+  EXPECT_LT((*again)[1], to_m);
 }
 
 TEST_F(LoadSignatures, PayloadOffsetIsInProportionToThePayload) {

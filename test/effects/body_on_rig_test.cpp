@@ -82,7 +82,7 @@ const std::vector<HiddenInBody>& hidden_in_body() {
          {"fraction", 0.7},
          {"inclination_deg", 0.0},
          {"friction", 0.0}}},
-       {100.0, 0.14, 20.0 * kDeg, 0.01, 0.0, 0.0},
+       {100.0, 0.14, 20.0 * kDeg, 0.01, 0.0, 0.0, 0.0},
        Mount::kHanging,
        1e-3,
        0.1,
@@ -388,9 +388,9 @@ TEST(OnTheRig, FrictionOfAWallIsMostlyThatOfContactInEitherForm) {
     for (const double stiffness : {60.0, 120.0, 240.0})
       for (const double place : {0.17, 0.19})
         for (const double distance : {0.02, 0.022}) {
-          smooth.push_back({stiffness, place, 0.0, distance, 0.0, 0.0});
+          smooth.push_back({stiffness, place, 0.0, distance, 0.0, 0.0, 0.0});
           for (const double friction : {0.2, 0.35, 0.5})
-            rough.push_back({stiffness, place, 0.0, distance, friction, 0.0});
+            rough.push_back({stiffness, place, 0.0, distance, friction, 0.0, 0.0});
         }
     const HiddenInBody hidden{form.c_str(), {"contact", form, values}, {}, Mount::kHanging, 1e-3, 0.0};
     const Errors without = best_of(hidden, smooth, drawn_along), with = best_of(hidden, rough, drawn_along);

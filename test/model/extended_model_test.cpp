@@ -220,8 +220,8 @@ TEST(ExtendedModel, StiffSpringsAreSolvedAndHold) {
     for (const double azimuth : {0.0, 2.1, 4.2}) {
       const auto touching = body_testing::predict(
           model, arm,
-          {body_testing::present(
-              "contact", body_testing::values_of({stiffness, 2.0 / 3.0 * 0.2, azimuth, distance, 0.0, 0.0}))},
+          {body_testing::present("contact", body_testing::values_of({stiffness, 2.0 / 3.0 * 0.2, azimuth,
+                                                                     distance, 0.0, 0.0, 0.0}))},
           trial);
       const Eigen::Vector3d to_wall(std::cos(azimuth), std::sin(azimuth), 0.0);
       double deepest = 0.0;

@@ -89,7 +89,7 @@ TEST_P(MeshOfMemories, FinerOneChangesLittleOfWhatTheEffectDoes) {
   EXPECT_GT(largest_effect_m, 1e-3) << "nothing was tested";
 }
 
-/// Those that remember and act all along the arm; what touches it does at one place.
+/// Those that remember and act all along the arm; what touches it holds places, however it is cut.
 std::vector<std::string> memories() {
   std::vector<std::string> ids;
   for (const auto& effect : effects::catalogue()) {

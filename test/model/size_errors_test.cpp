@@ -76,7 +76,8 @@ TEST(SizeErrors, APlaceAtTheTipIsOffInwards) {
   const arm::Arm arm = effects::testing::shipped_arm("online_200mm");
   const double length_m = arm.total_length_m(), sd_m = 4e-3;
   for (const double place_m : {length_m, length_m - 0.2 * sd_m}) {
-    Present wall{effects::find("contact"), (Values(6) << 100.0, place_m, 0.0, 0.02, 0.0, 0.0).finished()};
+    Present wall{effects::find("contact"),
+                 (Values(7) << 100.0, place_m, 0.0, 0.02, 0.0, 0.0, 0.0).finished()};
     wall.sd = (Values(5) << 0.0, sd_m, 0.0, 0.0, 0.0).finished();
     const SizeErrors errors(arm, {wall});
     ASSERT_EQ(errors.count(), 1);

@@ -354,6 +354,10 @@ Choices contact(const Numbers& v) {
   if (v("curvature_per_m") > kFlat_per_m)
     throw std::invalid_argument(
         "a round post that touches at one place has no counterpart in the virtual rig");
+  if (v("extent_m") > 0.0)
+    throw std::invalid_argument(
+        "a wall that touches as a spring all along a stretch of the arm has no counterpart in the virtual "
+        "rig");
   return {choice("contact", "spring_wall",
                  {{"stiffness_n_per_m", v("stiffness_n_per_m")},
                   {"distance_m", v("distance_m")},
