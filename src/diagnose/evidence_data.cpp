@@ -238,8 +238,8 @@ double log_choices(const JointModel& model, const model::Effect& effect) {
   return choices.empty() ? 0.0 : std::log(static_cast<double>(choices.size()));
 }
 
-/// Fills the effects: by their signatures about a fit.
-void add_effects(JointModel& model, const Shown& shown, Linearised& at,
+/// Fills the effects: by their signatures about a fit, with another one's weights.
+void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Linearised& like,
                  const std::vector<model::Present>& candidates, unsigned jobs, EvidenceData& data) {
   model.complete(at);
   const Index n = data.residual.rows(), m = data.residual.cols();
@@ -251,7 +251,9 @@ void add_effects(JointModel& model, const Shown& shown, Linearised& at,
     data.effects.back().log_choices = log_choices(model, *step.present.effect);
   }
   math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
-    const MatrixXd moves = signatures_of(model, at, t, steps);
+    const Eigen::VectorXd weight =
+        (at.root_weight[t].array() > 0.0).select(like.root_weight[t].cwiseQuotient(at.root_weight[t]), 0.0);
+    const MatrixXd moves = weight.asDiagonal() * signatures_of(model, at, t, steps);
     for (std::size_t i = 0; i < shown.instants.size(); ++i) {
       const InstantRows& from = shown.instants[i];
       if (from.trial != t) continue;
@@ -265,7 +267,7 @@ void add_effects(JointModel& model, const Shown& shown, Linearised& at,
     }
   });
   drop_unknown(data.effects);
-  add_left(rows_per_m(model, shown, at), model.arm().total_length_m(), data);
+  add_left(rows_per_m(model, shown, like), model.arm().total_length_m(), data);
 }
 
 }  // namespace
@@ -307,11 +309,22 @@ EvidenceData evidence_of_refit(const JointModel& model, const Linearised& refit,
   return of_fit(whole_instants(model, like), refit, like);
 }
 
+EvidenceData evidence_of_refit(JointModel& model, Linearised& refit, const Linearised& like,
+                               const std::vector<model::Present>& candidates, unsigned jobs) {
+  const Shown shown = whole_instants(model, like);
+  EvidenceData data = of_fit(shown, refit, like);
+  std::vector<model::Present> others;
+  for (const model::Present& candidate : candidates)
+    if (candidate.effect != refit.at.effects.back().effect) others.push_back(candidate);
+  add_effects(model, shown, refit, like, others, jobs, data);
+  return data;
+}
+
 EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<model::Present>& candidates,
                            unsigned jobs) {
   const Shown shown = whole_instants(model, at);
   EvidenceData data = of_fit(shown, at, at);
-  add_effects(model, shown, at, candidates, jobs, data);
+  add_effects(model, shown, at, at, candidates, jobs, data);
   data.features = features_at(model, at, shown);
   return data;
 }

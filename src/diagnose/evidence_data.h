@@ -67,4 +67,9 @@ EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<
 /// The same instants, and Huber's weights, as of `like`, by another fit: without candidates and features.
 EvidenceData evidence_of_refit(const JointModel& model, const Linearised& refit, const Linearised& like);
 
+/// The same with the candidates that are not in it, by their signatures about it.
+/// @param refit is completed
+EvidenceData evidence_of_refit(JointModel& model, Linearised& refit, const Linearised& like,
+                               const std::vector<model::Present>& candidates, unsigned jobs);
+
 }  // namespace softarm::diagnose

@@ -33,9 +33,8 @@ struct Posterior {
 /// A fit with one effect more, at the same instants.
 struct RefitEvidence {
   const model::Effect* effect = nullptr;
-  /// evidence_of_refit(): the effect's own numbers are among the unknowns. All others move the bodies as they
-  /// do about the fit without it: by signatures about each fit probabilities came out the same, in a sixth
-  /// more of the time.
+  /// evidence_of_refit(): the effect's own numbers are among the unknowns. Without any others, these move the
+  /// bodies as they do about the fit without it.
   EvidenceData data;
 };
 

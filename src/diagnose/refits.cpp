@@ -65,6 +65,7 @@ void fit_from(JointModel& model, const JointParameters& from,
   how.whole = false;
   how.near = near.complete && !how.damped ? &near : nullptr;
   r.fit = model.fit(from, how, &start);
+  r.evidence.reset();
   r.unseen = unseen(model, r.fit);
   r.physical = !at_limit(r.fit, r.fit.at.effects.size() - 1);
   r.converged = r.fit.converged;
@@ -81,13 +82,14 @@ double gains_elsewhere(const Unseen& without, const Unseen& with) {
   return ((gain.transpose() * weights).array() > 0.0).cast<double>().mean();
 }
 
-/// Evidence about the model so far. Of the candidates only those are looked at that are new, or have other
-/// values than before.
-const EvidenceData& evidence_with(const std::vector<Present>& candidates, JointModel& model,
-                                  Standing& current, unsigned jobs) {
-  std::optional<KnownEvidence>& known = current.evidence;
+/// Evidence about a fit. Of the candidates only those are looked at that are new, or have other values than
+/// before.
+/// @param make evidence with some of the candidates
+template <typename Make>
+const EvidenceData& evidence_with(const std::vector<Present>& candidates, const Make& make,
+                                  std::optional<KnownEvidence>& known) {
   if (!known) {
-    known = KnownEvidence{evidence_data(model, current.fit, candidates, jobs), candidates};
+    known = KnownEvidence{make(candidates), candidates};
     return known->data;
   }
   std::vector<Present> anew;
@@ -109,8 +111,7 @@ const EvidenceData& evidence_with(const std::vector<Present>& candidates, JointM
                                }),
                 effects.end());
   if (!anew.empty())
-    for (Signature& s : evidence_data(model, current.fit, anew, jobs).effects)
-      effects.push_back(std::move(s));
+    for (Signature& s : make(anew).effects) effects.push_back(std::move(s));
   known->candidates = candidates;
   return known->data;
 }
@@ -153,12 +154,22 @@ std::vector<Present> candidates_of(const Round& round) {
   return candidates;
 }
 
-Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs) {
+Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsigned jobs) {
   const std::vector<Present> candidates = candidates_of(round);
   std::vector<RefitEvidence> refits;
-  for (const Refitted& r : round.refitted)
-    refits.push_back({r.effect, evidence_of_refit(model, r.fit, current.fit)});
-  return posterior(evidence_with(candidates, model, current, jobs), refits, jobs);
+  for (Refitted& r : round.refitted) {
+    // What answers to the shape, a spring or a wall, changes how the arm gives way to everything else.
+    const bool as_about_fit = !r.fit.own_derivatives || !r.effect->needs_shape();
+    const auto about_refit = [&](const std::vector<Present>& some) {
+      return evidence_of_refit(model, r.fit, current.fit, some, jobs);
+    };
+    refits.push_back({r.effect, as_about_fit ? evidence_of_refit(model, r.fit, current.fit)
+                                             : evidence_with(candidates, about_refit, r.evidence)});
+  }
+  const auto about_fit = [&](const std::vector<Present>& some) {
+    return evidence_data(model, current.fit, some, jobs);
+  };
+  return posterior(evidence_with(candidates, about_fit, current.evidence), refits, jobs);
 }
 
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect) {
@@ -310,6 +321,7 @@ void linearise_leaders(JointModel& model, const Standing& current, std::vector<R
   for (Refitted& r : refitted) {
     if (r.fit.own_derivatives || current.fit.square - r.fit.square < kPolicy.selection.leads * most) continue;
     model.take_own_derivatives(r.fit);
+    r.evidence.reset();
     r.unseen = unseen(model, r.fit);
   }
 }

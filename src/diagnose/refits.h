@@ -19,7 +19,7 @@ struct Standing {
 std::vector<model::Present> candidates_of(const Round& round);
 
 /// About the model so far, and the refits: how probable each of a round's candidates is.
-Posterior posterior_of(JointModel& model, Standing& current, const Round& round, unsigned jobs);
+Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsigned jobs);
 
 /// Of what an effect moves the bodies by beyond what the constants absorb, rms: less is too small to matter.
 double trivial_m(const JointModel& model);

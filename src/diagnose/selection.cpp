@@ -122,6 +122,7 @@ void without_fits(Round& round) {
     r.fit = {};
     r.fit.at = std::move(at);
     r.unseen.residual.clear();
+    r.evidence.reset();
   }
 }
 

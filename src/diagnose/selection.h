@@ -32,6 +32,7 @@ struct Refitted {
   bool converged = true;     ///< its fit came to an end
   Linearised fit;
   Unseen unseen;
+  std::optional<KnownEvidence> evidence;  ///< with candidates about the fit, once a posterior was made
 };
 
 /// One round: what was screened and refitted upon the model so far.

@@ -20,6 +20,7 @@ constexpr double kCorrection = 0.14;
 constexpr int kMostRounds = 80;      // to get there
 constexpr int kMostPlainRounds = 5;  // without mixing
 constexpr double kSoft = 0.25;       // answer up to which no mixing is needed
+constexpr int kFewRounds = 3;        // with mixing: it may not be needed at the next instant
 constexpr int kForceRounds = 25, kForceHalvings = 6, kMostWorse = 5;
 // A force that shows how a held place yields: a thousandth of the arm's weight on earth, m/s^2.
 constexpr double kLeastProbe_n = 1e-5, kProbePerMass = 1e-2;
@@ -161,6 +162,7 @@ bool InstantSolver::agree(const Context& at, const std::vector<Present>& effects
         now.shape = followed;
         now.q_tip = last;
         at.feedback.share = std::min(1.0, 4.0 * mixer.share());
+        at.feedback.mixes = round >= kFewRounds;
         return true;
       }
     }
@@ -191,7 +193,10 @@ bool InstantSolver::agree_at_once(const Context& at, const std::vector<Present>&
     double answer = remembered;
     if (round > 0) {
       answer = moved_m / before_m;
-      if (answer > kSoft) return false;
+      if (answer > kSoft) {
+        at.feedback.mixes = true;
+        return false;
+      }
       at.feedback.answer = answer;
     }
     if (answer <= kSoft && moved_m * answer / (1.0 - answer) < mesh_.settled_m) return true;
@@ -313,8 +318,10 @@ bool InstantSolver::settle(const Context& at, const std::vector<Present>& effect
       now.shape.motion = at.motion;
     };
     from_near();
-    if (!stiff && agree_at_once(at, effects, now)) return true;
-    from_near();
+    if (!stiff && !at.feedback.mixes) {
+      if (agree_at_once(at, effects, now)) return true;
+      from_near();
+    }
     if (agree_from(at, effects, places, places.forces_n(places.positions_m(fine.layout(), now.shape)), now))
       return true;
   }

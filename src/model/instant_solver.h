@@ -29,6 +29,7 @@ constexpr double kIntegrated = 1e-5;
 struct Feedback {
   double share = 1.0;   ///< of what follows that is assumed next
   double answer = 1.0;  ///< share of a change of the shape by which it changes anew; 1: not known
+  bool mixes = false;   ///< it answered so much that shapes had to be mixed
   Eigen::MatrixXd compliance_m_per_n = {};  ///< of the places that are held; empty: not known
 };
 

@@ -203,21 +203,42 @@ struct Started {
   Round round;
 };
 
-TEST(Refits, EvidenceOfOneHasTheWeightsOfTheModelWithoutIt) {
+TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
   const testing::RecordedCase drawn =
       testing::recorded_case("{count_weights: [0, 1], from: [tether], size: [0.9, 1.0]}", 6, 3, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
   Started begun(looked);
-  Refitted with = refit(looked.model, begun.alone, begun.of("tether"));
+  const Screened& tether = begun.of("tether");
+  Refitted with = refit(looked.model, begun.alone, tether);
   looked.model.take_own_derivatives(with.fit);
-  const EvidenceData about_it = evidence_of_refit(looked.model, with.fit, with.fit);
-  ASSERT_EQ(about_it.unknowns.size(), with.fit.columns.size());
+  const std::vector<model::Present> all = candidates_of(begun.round);
+  std::vector<model::Present> others = all;
+  others.erase(others.begin() + (&tether - begun.round.screened.data()));
+  const EvidenceData without = evidence_data(looked.model, begun.alone.fit, others, 0),
+                     about_it = evidence_data(looked.model, with.fit, others, 0),
+                     beside_it = evidence_of_refit(looked.model, with.fit, with.fit, all, 0);
+  ASSERT_EQ(beside_it.effects.size(), about_it.effects.size());
+  double most = 0.0;
+  for (std::size_t e = 0; e < about_it.effects.size(); ++e) {
+    ASSERT_EQ(beside_it.effects[e].effect, about_it.effects[e].effect);
+    EXPECT_EQ(beside_it.effects[e].moves, about_it.effects[e].moves);
+    EXPECT_EQ(beside_it.effects[e].left, about_it.effects[e].left);
+    most = std::max(most, (about_it.effects[e].moves - without.effects[e].moves).norm() /
+                              about_it.effects[e].moves.norm());
+  }
+  EXPECT_GT(most, 0.05) << "a pull changes what others do";
+
+  // By the weights of another fit, half as large.
   Linearised half = with.fit;
   for (Eigen::VectorXd& weight : half.root_weight) weight *= 0.5;
-  const EvidenceData weighed = evidence_of_refit(looked.model, with.fit, half);
+  const EvidenceData weighed = evidence_of_refit(looked.model, with.fit, half, all, 0);
   EXPECT_TRUE(weighed.residual.isApprox(0.5 * about_it.residual, 1e-12));
-  for (std::size_t j = 0; j < about_it.unknowns.size(); ++j)
-    EXPECT_TRUE(weighed.unknowns[j].moves.isApprox(0.5 * about_it.unknowns[j].moves, 1e-12));
+  ASSERT_EQ(weighed.effects.size(), about_it.effects.size());
+  for (std::size_t e = 0; e < about_it.effects.size(); ++e) {
+    EXPECT_TRUE(weighed.effects[e].moves.isApprox(0.5 * about_it.effects[e].moves, 1e-12));
+    EXPECT_NEAR(weighed.effects[e].left, about_it.effects[e].left, 0.05 * about_it.effects[e].left)
+        << "metres, whatever the weights";
+  }
 }
 
 TEST(EvidenceData, OfInertiaInModesAShareIsNotKnown) {
