@@ -79,6 +79,9 @@ struct Policy {
     /// the model without it, it is off by a thousandth of the gain: what two that are nearly the same differ
     /// in.
     double leads = 0.5;
+    /// ... and no more behind the best than this, as a log likelihood of white noise: of errors that are
+    /// correlated a tenth of it is left.
+    double hopeless = 500.0;
     double rival_z = 3.0;                 ///< separation below which two effects are one class
     double rival_gain = 0.5 * 3.0 * 3.0;  ///< the same as a difference of log scores on unseen trials
     double rival_cosine = 0.95;           ///< of the signatures of two effects that may be one class

@@ -158,13 +158,11 @@ Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsig
   const std::vector<Present> candidates = candidates_of(round);
   std::vector<RefitEvidence> refits;
   for (Refitted& r : round.refitted) {
-    // What answers to the shape, a spring or a wall, changes how the arm gives way to everything else.
-    const bool as_about_fit = !r.fit.own_derivatives || !r.effect->needs_shape();
     const auto about_refit = [&](const std::vector<Present>& some) {
       return evidence_of_refit(model, r.fit, current.fit, some, jobs);
     };
-    refits.push_back({r.effect, as_about_fit ? evidence_of_refit(model, r.fit, current.fit)
-                                             : evidence_with(candidates, about_refit, r.evidence)});
+    refits.push_back({r.effect, r.fit.own_derivatives ? evidence_with(candidates, about_refit, r.evidence)
+                                                      : evidence_of_refit(model, r.fit, current.fit)});
   }
   const auto about_fit = [&](const std::vector<Present>& some) {
     return evidence_data(model, current.fit, some, jobs);
@@ -316,10 +314,15 @@ Standing standing_on(JointModel& model, const Linearised& fit) {
 }
 
 void linearise_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {
-  double most = 0.0;
-  for (const Refitted& r : refitted) most = std::max(most, current.fit.square - r.fit.square);
+  const auto best =
+      std::min_element(refitted.begin(), refitted.end(),
+                       [](const Refitted& a, const Refitted& b) { return a.fit.square < b.fit.square; });
+  if (best == refitted.end()) return;
+  const double least = best->fit.square,
+               most = std::min(current.fit.square - kPolicy.selection.leads * (current.fit.square - least),
+                               least + 2.0 * inflation(best->fit) * kPolicy.selection.hopeless);
   for (Refitted& r : refitted) {
-    if (r.fit.own_derivatives || current.fit.square - r.fit.square < kPolicy.selection.leads * most) continue;
+    if (r.fit.own_derivatives || r.fit.square > most) continue;
     model.take_own_derivatives(r.fit);
     r.evidence.reset();
     r.unseen = unseen(model, r.fit);
