@@ -231,7 +231,10 @@ std::optional<NextExperiment> next_experiment(JointModel& model, Selection& sele
   std::vector<Explanation> list = rivals_of(model, selection);
   const bool open = verdict != Verdict::kExplained && verdict != Verdict::kConsistent;
   if (list.empty() && open) list = candidates_of(model, selection);
-  const auto menu = [&] { return experiment_menu(model.arm(), model.trials(), options.block_s); };
+  const auto menu = [&] {
+    return experiment_menu(model.arm(), model.trials(),
+                           std::max(options.block_s, kPolicy.experiment.block_s));
+  };
   if (list.size() > 1)
     return tell_apart(model, selection.baseline.at, list, menu(), selection.inflation, options);
   if (verdict != Verdict::kConsistent && verdict != Verdict::kCannotTell) return std::nullopt;

@@ -229,6 +229,9 @@ struct Policy {
     double let_go_s = 9.0, jammed_wait_s = 8.0;  ///< the other inputs go; then the vacuum stays so long
     int cycles = 6;
     double seconds = 24.0;  ///< of a trial that is recorded again
+    /// Over which its frames are averaged, at least: twelve of them cost more time than the trials that there
+    /// are.
+    double block_s = 0.5;
   } experiment;
 
   /// Rings that have one another's names.
