@@ -118,9 +118,10 @@ void take_beside(JointModel& model, const Round& round, Standing& current, std::
 /// Fits are large, and not looked at again.
 void without_fits(Round& round) {
   for (Refitted& r : round.refitted) {
-    JointParameters at = std::move(r.fit.at);
-    r.fit = {};
-    r.fit.at = std::move(at);
+    Linearised fit;
+    fit.at = std::move(r.fit.at);
+    fit.given_up = r.fit.given_up;  // what did not converge is told, but for these
+    r.fit = std::move(fit);
     r.unseen.residual.clear();
     r.evidence.reset();
   }
