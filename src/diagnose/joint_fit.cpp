@@ -61,6 +61,7 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
     const JointParameters p = parameters();
     // Whole derivatives cost a prediction each: on a way as short as the last steps are, those of its begin.
     at_ = model_.linearise_at(p, std::move(there_), how_, how_ == Derivatives::kWhole ? &at_ : near_);
+    ++moves_;
     x_at_ = x_;
     x_there_.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
@@ -70,6 +71,10 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
   const Linearised& at() const { return at_; }
   VectorXd& x() { return x_; }
   void back_to_accepted() { x_ = x_at_; }
+  /// FitOptions::most_square. The first step may be one over a kink, behind which derivatives are others.
+  bool is_hopeless(double most_square) const {
+    return moves_ > 1 && std::isfinite(most_square) && expected_square(at_) > most_square;
+  }
   bool has_own_derivatives() const { return near_ == nullptr; }
   /// In place of those of a model nearby, from here on.
   void make_own_derivatives() {
@@ -109,6 +114,7 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
 
   JointModel& model_;
   const Derivatives how_;
+  int moves_ = 0;           ///< steps that were accepted
   const Linearised* near_;  ///< whose derivatives by the rod will do; nullptr: its own
   Linearised at_;
   std::vector<std::vector<Predicted>> there_;
@@ -164,10 +170,6 @@ double step_left(const Linearised& at) {
   return (solver.solve(gradient).array() / variance.array().sqrt()).abs().maxCoeff() / std::sqrt(misfit);
 }
 
-bool is_hopeless(const Linearised& at, double most_square) {
-  return std::isfinite(most_square) && expected_square(at) > most_square;
-}
-
 /// Ends a pass after so many steps, at a point that will do, or behind which what the pass took for granted
 /// does not hold any more.
 class Watch : public ceres::IterationCallback {
@@ -211,12 +213,10 @@ void set_steps(double radius, int iterations, bool own_derivatives, ceres::Solve
 bool JointModel::minimise(Evaluation& evaluation, const FitOptions& how, double& radius, int& iterations) {
   const bool damped = radius < kNoRadius;
   const std::vector<bool> held = held_at_ends(evaluation.at());
-  const VectorXd begin = evaluation.at().unknowns();
   const auto enough = [&] {
     const double now = threshold_at(evaluation.at().predicted);
     return std::abs(now - threshold_) > kSettled * threshold_ || held_at_ends(evaluation.at()) != held ||
-           step_left(evaluation.at()) < how.tolerance ||
-           (evaluation.at().unknowns() != begin && is_hopeless(evaluation.at(), how.most_square));
+           step_left(evaluation.at()) < how.tolerance || evaluation.is_hopeless(how.most_square);
   };
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -305,7 +305,7 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
     threshold_ = threshold_at(evaluation.at().predicted);
     weigh(evaluation.at());
     if (step_left(evaluation.at()) < options.tolerance) break;
-    given_up = moved && is_hopeless(evaluation.at(), options.most_square);
+    given_up = evaluation.is_hopeless(options.most_square);
     if (given_up) break;
     if (radius < kNoRadius && !was_damped) {
       // First for what may be wrong about derivatives nearby.

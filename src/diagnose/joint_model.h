@@ -159,7 +159,7 @@ class JointModel {
     /// there only so much is gone (half, a quarter, ...) that it helps. nullptr: all of it.
     const Linearised* from = nullptr;
     bool damped = false;  ///< it goes on from a fit that was
-    /// After a step, the fit is given up where even the end that the first order expects of it has a larger
+    /// After two steps, the fit is given up where even the end that the first order expects of it has a larger
     /// square.
     double most_square = std::numeric_limits<double>::infinity();
   };

@@ -292,6 +292,7 @@ bool InstantSolver::agree_from(const Context& at, const std::vector<Present>& ef
   const Eigen::Quaterniond q_tip = now.q_tip;
   if (agree_by_forces(at, effects, places, forces_n, now)) return true;
   at.feedback.compliance_m_per_n.resize(0, 0);
+  at.feedback.mixes = false;
   now.shape = shape;
   now.q_tip = q_tip;
   return !needs_only_places(effects) && agree(at, effects, shape, now);

@@ -6,9 +6,8 @@ namespace softarm {
 namespace {
 
 constexpr std::uint32_t kLargestLoss = 10000;  // a larger step is no loss: its publisher counts afresh
-constexpr std::size_t kMostPublishers =
-    100;                       // that are remembered; `rostopic pub` has another name each time
-constexpr int kAlternate = 2;  // changes back: one may be a driver that is started again
+constexpr std::size_t kMostPublishers = 100;   // that are remembered: `rostopic pub` has ever new names
+constexpr int kAlternate = 2;                  // changes back: one may be a driver that is started again
 
 }  // namespace
 

@@ -241,6 +241,24 @@ TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
   }
 }
 
+TEST(Refits, OneThatComesNowhereNearTheBestIsGivenUp) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.9, 1.0]}", 6, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  Started begun(looked);
+  const Refitted alone = refit(looked.model, begun.alone, begun.of("tether"));
+  EXPECT_FALSE(alone.fit.given_up);
+  Refitted best;
+  best.fit.square = 0.0;  // of one that explains all
+  std::vector<Refitted> refitted{best};
+  refitted.push_back(refit(looked.model, begun.alone, begun.of("tether"), refitted));
+  const Linearised given_up = refitted.back().fit;
+  EXPECT_TRUE(given_up.given_up);
+  EXPECT_FALSE(refitted.back().converged);
+  EXPECT_GT(given_up.square, alone.fit.square) << "it ended before it was there";
+  EXPECT_LT(given_up.square, begun.alone.fit.square);
+}
+
 TEST(EvidenceData, OfInertiaInModesAShareIsNotKnown) {
   const testing::RecordedCase drawn =
       testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.9, 1.0]}", 6, 3, 8.0);

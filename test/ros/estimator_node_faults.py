@@ -294,10 +294,10 @@ class Faults(unittest.TestCase):
         self.listener.fresh()
         lost = self.listener.value("frames", "messages lost on their way")
         second = subprocess.Popen([sys.executable, "-c", SECOND])
-        feeding = threading.Thread(target=self.feeder.feed, args=(1920,))
+        feeding = threading.Thread(target=self.feeder.feed, args=(3840,))
         feeding.start()
         try:
-            said = self.listener.wait(lambda: "two publishers on" in self.listener.task("inputs").message, 8.0)
+            said = self.listener.wait(lambda: "two publishers on" in self.listener.task("inputs").message, 16.0)
             message = self.listener.task("inputs").message
         finally:
             second.terminate()

@@ -79,9 +79,9 @@ TEST(RecentMessages, TakeNoMoreMemoryThanIsCounted) {
   RecentMessages recent(1e6, std::size_t{1} << 40);
   const Connection connection = connection_of(false);
   const topic_tools::ShapeShifter message = text(100);
-  const std::size_t before = resident_bytes();
+  const auto before = static_cast<double>(resident_bytes());
   for (int i = 0; i < 200000; ++i) recent.add("/text", ros::Time(1000.0 + 1e-3 * i), message, connection);
-  const auto grown = static_cast<double>(resident_bytes() - before);
+  const auto grown = static_cast<double>(resident_bytes()) - before;
   EXPECT_GT(recent.bytes(), 200000u * 150u);
   EXPECT_LT(grown, 1.1 * static_cast<double>(recent.bytes()) + 2e6);
 }
