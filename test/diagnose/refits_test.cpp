@@ -241,22 +241,22 @@ TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
   }
 }
 
-TEST(Refits, OneThatComesNowhereNearTheBestIsGivenUp) {
-  const testing::RecordedCase drawn =
-      testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.9, 1.0]}", 6, 3, 8.0);
+TEST(JointModel, AFitThatComesNowhereNearIsGivenUpAfterTwoSteps) {
+  const testing::RecordedCase drawn = testing::recorded_case("{count_weights: [1]}", 6, 3, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
-  Started begun(looked);
-  const Refitted alone = refit(looked.model, begun.alone, begun.of("tether"));
-  EXPECT_FALSE(alone.fit.given_up);
-  Refitted best;
-  best.fit.square = 0.0;  // of one that explains all
-  std::vector<Refitted> refitted{best};
-  refitted.push_back(refit(looked.model, begun.alone, begun.of("tether"), refitted));
-  const Linearised given_up = refitted.back().fit;
-  EXPECT_TRUE(given_up.given_up);
-  EXPECT_FALSE(refitted.back().converged);
-  EXPECT_GT(given_up.square, alone.fit.square) << "it ended before it was there";
-  EXPECT_LT(given_up.square, begun.alone.fit.square);
+  JointParameters off = looked.baseline.at;
+  off.constants *= 2.0;
+  JointModel::FitOptions how;
+  how.tolerance = 1e-6;
+  how.iterations = 12;
+  const Linearised whole = looked.model.fit(off, how);
+  EXPECT_FALSE(whole.given_up);
+  how.most_square = 0.1 * whole.square;
+  const Linearised given_up = looked.model.fit(off, how);
+  EXPECT_TRUE(given_up.given_up || given_up.converged) << given_up.square;
+  EXPECT_GT(given_up.square, whole.square) << "it ended before it was there";
+  how.most_square = 2.0 * whole.square;
+  EXPECT_FALSE(looked.model.fit(off, how).given_up) << "it is expected to come there";
 }
 
 TEST(EvidenceData, OfInertiaInModesAShareIsNotKnown) {

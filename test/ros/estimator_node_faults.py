@@ -298,14 +298,14 @@ class Faults(unittest.TestCase):
         feeding.start()
         try:
             said = self.listener.wait(lambda: "two publishers on" in self.listener.task("inputs").message, 16.0)
-            message = self.listener.task("inputs").message
+            task = self.listener.task("inputs")
         finally:
             second.terminate()
             second.wait()
             feeding.join()
-        self.assertTrue(said, message)
-        self.assertRegex(message, r"two publishers on /mocap/ring_1/pose: /\w+, /\w+")
-        self.assertEqual(self.listener.task("inputs").level, DiagnosticStatus.WARN)
+        self.assertTrue(said, task.message)
+        self.assertRegex(task.message, r"two publishers on /mocap/ring_1/pose: /\w+, /\w+")
+        self.assertEqual(task.level, DiagnosticStatus.WARN)
         self.feed(720)
         self.listener.fresh()
         self.assertNotIn("two publishers", self.listener.task("inputs").message)
