@@ -159,8 +159,8 @@ class JointModel {
     /// there only so much is gone (half, a quarter, ...) that it helps. nullptr: all of it.
     const Linearised* from = nullptr;
     bool damped = false;  ///< it goes on from a fit that was
-    /// After two steps, the fit is given up where even the end that the first order expects of it has a larger
-    /// square.
+    /// After two steps, the fit is given up where even the end that the first order expects of it has a
+    /// larger square.
     double most_square = std::numeric_limits<double>::infinity();
   };
   /// The constants and effects at which all trials are met best, from `parameters`: a problem of Ceres with
