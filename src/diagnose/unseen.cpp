@@ -194,23 +194,17 @@ VectorXd between_folds(const JointModel& model, const Linearised& at, const std:
     return math::inverse_of_symmetric(rest.information).diagonal();
   };
   const VectorXd known = step({at.information, at.gradient}, of_all);
-  Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(known.size()), lost = variance, lost2 = variance;
+  Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(known.size());
   for (const Fold& fold : folds) {
     VectorXd to;
     const VectorXd less_known = step(without_some(at, fold.without), to);
     const Eigen::ArrayXd kept = (known.array() / less_known.array()).max(0.0).min(1.0);
     variance += kept * (to - of_all).array().square();
-    lost += 1.0 - kept;
-    lost2 += (1.0 - kept).square();
   }
   constexpr double kUpTo = 0.95;  // of a 90 % interval, as which sizes are told
-  for (Eigen::Index j = 0; j < variance.size(); ++j) {
-    // Of so many folds as if all knew as much of the number (Kish 1965).
-    const double count = lost2[j] > 0.0 ? std::pow(lost[j], 2) / lost2[j] : 1.0;
-    const double t = math::students_t_quantile(std::max(1.0, count - 1.0), kUpTo);
-    variance[j] *= std::pow(t / math::normal_quantile(kUpTo), 2);
-  }
-  return variance;
+  const double wider =
+      math::students_t_quantile(static_cast<double>(folds.size() - 1), kUpTo) / math::normal_quantile(kUpTo);
+  return wider * wider * variance;
 }
 
 Unseen unseen(const JointModel& model, const Linearised& at) {

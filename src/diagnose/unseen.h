@@ -27,7 +27,7 @@ struct Unseen {
 /// doi:10.1214/aos/1176350142). Each deviation counts by the share of what is known of the unknown that the
 /// other folds hold: what acts in one trial alone is not contradicted by those in which it cannot be seen. Of
 /// a spread among few folds little is known: it is that of the normal distribution whose 90 % interval is as
-/// wide as Student's t's, for as many folds as know of the number.
+/// wide as Student's t's.
 /// @param held unknowns that stay as they are in all fits
 /// @return nothing where there are fewer than three folds
 Eigen::VectorXd between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held);
