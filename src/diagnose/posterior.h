@@ -33,8 +33,8 @@ struct Posterior {
 /// A fit with one effect more, at the same instants.
 struct RefitEvidence {
   const model::Effect* effect = nullptr;
-  /// evidence_of_refit(): the effect's own numbers are among the unknowns. Without any others, these move the
-  /// bodies as they do about the fit without it.
+  /// evidence_of_refit(): the effect's own numbers are among the unknowns. Other effects, where it has none,
+  /// move the bodies as they do about the fit without it.
   EvidenceData data;
 };
 
