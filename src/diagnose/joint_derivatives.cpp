@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "arm/wall_memory.h"
 #include "joint_model.h"
 #include "math/parallel.h"
 #include "policy.h"
@@ -15,6 +16,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using model::Block;
 using model::Predicted;
+using model::Present;
 using model::Seen;
 using model::TrialData;
 
@@ -32,6 +34,13 @@ std::vector<JointParameters> one_step_each(const Linearised& lin, std::vector<do
     set_unknown(changed[c], lin.columns[c], at + steps[c]);
   }
   return changed;
+}
+
+std::vector<Present> driving(std::vector<Present> effects) {
+  effects.erase(std::remove_if(effects.begin(), effects.end(),
+                               [](const Present& present) { return !present.effect->drives(); }),
+                effects.end());
+  return effects;
 }
 
 }  // namespace
@@ -54,10 +63,23 @@ void set_unknown(JointParameters& p, const JointUnknown& c, double x) {
   }
 }
 
+bool JointModel::driven_alike(const JointParameters& a, const JointParameters& b) const {
+  const std::vector<Present> of_a = driving(all(a.effects)), of_b = driving(all(b.effects));
+  const auto same = [](const Present& x, const Present& y) {
+    return x.effect == y.effect && x.values == y.values && x.start.size() == y.start.size() &&
+           x.start == y.start;
+  };
+  if (!std::equal(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), same)) return false;
+  // Constants change what an effect makes of the inputs, and how walls follow.
+  return a.constants == b.constants || (of_a.empty() && arm::LawMemory(arm_).empty());
+}
+
 model::ExtendedModel::Varied JointModel::vary(std::size_t trial, const JointParameters& parameters,
+                                              const JointParameters& at,
                                               const std::vector<Predicted>& predicted) {
   return models_[trial].vary(arm_with(parameters.constants), all(parameters.effects),
-                             dynamics(parameters, trial), trials_[trial], predicted);
+                             dynamics(parameters, trial), trials_[trial], predicted,
+                             driven_alike(parameters, at));
 }
 
 void JointModel::differentiate(const JointParameters& at, std::size_t trial, const std::vector<bool>& wanted,
@@ -223,7 +245,7 @@ Eigen::MatrixXd JointModel::signatures(const Linearised& at, std::size_t trial,
   for (std::size_t first = 0; first < changed.size(); first += varied.size()) {
     varied.clear();
     for (std::size_t j = first; j < std::min(changed.size(), first + kChangesAtOnce); ++j)
-      varied.push_back(vary(trial, changed[j], at.predicted[trial]));
+      varied.push_back(vary(trial, changed[j], at.at, at.predicted[trial]));
     const std::vector<Eigen::MatrixXd> moves = moved(at, trial, varied);
     for (std::size_t c = 0; c < varied.size(); ++c)
       out.col(static_cast<Eigen::Index>(first + c)) =
@@ -323,7 +345,7 @@ Linearised JointModel::linearise_at(const JointParameters& parameters,
       lin.derivative[t].setZero(lin.residual[t].size(), static_cast<Eigen::Index>(lin.columns.size()));
       return;
     }
-    lin.reference[t] = vary(t, parameters, lin.predicted[t]);
+    lin.reference[t] = vary(t, parameters, parameters, lin.predicted[t]);
     if (!modes_.empty()) lin.swing[t] = swing_of_change(t, lin.predicted[t]);
     const bool shared = near != nullptr && share_derivatives(*near, t, lin.predicted[t]);
     const std::vector<Eigen::Index> alike =
@@ -333,7 +355,7 @@ Linearised JointModel::linearise_at(const JointParameters& parameters,
       if (alike[c] >= 0) continue;
       // How a body is mounted changes nothing of the arm.
       const bool mount = lin.columns[c].kind == JointUnknown::Kind::kMount;
-      varied.push_back(mount ? lin.reference[t] : vary(t, changed[c], lin.predicted[t]));
+      varied.push_back(mount ? lin.reference[t] : vary(t, changed[c], parameters, lin.predicted[t]));
     }
     if (!shared) differentiate(parameters, t, changed_by(varied, lin.reference[t]), lin.predicted[t]);
     compare();

@@ -242,7 +242,11 @@ class JointModel {
   void find_swings(std::size_t trial, const std::vector<model::Predicted>& predicted, bool seen);
   void add_swings(std::size_t trial, std::vector<model::Predicted>& predicted) const;
   model::Dynamics dynamics(const JointParameters& parameters, std::size_t trial) const;
+  /// Whether the same drives the arm.
+  bool driven_alike(const JointParameters& a, const JointParameters& b) const;
+  /// @param at of which the predictions are
   model::ExtendedModel::Varied vary(std::size_t trial, const JointParameters& parameters,
+                                    const JointParameters& at,
                                     const std::vector<model::Predicted>& predicted);
   /// At these parameters, of which the predictions are given.
   Linearised linearise_at(const JointParameters& parameters,

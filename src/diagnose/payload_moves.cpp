@@ -14,6 +14,7 @@ class MorePayload : public model::Effect {
  public:
   const model::Info& info() const override { return info_; }
   bool varies_along() const override { return false; }
+  bool drives() const override { return true; }
   void drive(const arm::Arm&, const model::Values& values, model::Series& series) const override {
     series.payload_kg.array() += values[0];
   }

@@ -9,6 +9,7 @@ class CameraBow : public Described {
  public:
   using Described::Described;
   bool varies_along() const override { return false; }
+  bool observes() const override { return true; }
   void observe(const arm::Arm& arm, const Values& values, const Instant& instant,
                Bodies& bodies) const override {
     distort(

@@ -20,6 +20,7 @@ class CameraScale : public Described {
     if (!(values[2] > 0.0)) return "";
     return "it says how warm the cameras were during the trials diagnosed, not how warm they are now";
   }
+  bool observes() const override { return true; }
   void observe(const arm::Arm& arm, const Values& values, const Instant& instant,
                Bodies& bodies) const override {
     const double size = arm.gravity_m_s2.norm();

@@ -31,6 +31,7 @@ class ChamberBulge : public Described {
     return std::any_of(arm.segments.begin(), arm.segments.end(),
                        [](const arm::Segment& segment) { return segment.chambers.size() > 1; });
   }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     const std::vector<Rows> neighbours = neighbours_of(arm);

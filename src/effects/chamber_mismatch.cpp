@@ -16,6 +16,7 @@ class ChamberMismatch : public Described {
       if (chamber > 0.0) list.push_back(Eigen::Vector2d(0.0, chamber));
     return list;
   }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     for (const Eigen::Index row : rows_of_chamber(arm, chamber_rows(arm), values[1]))
       series.moment_inputs.row(row) *= 1.0 + values[0];

@@ -47,6 +47,7 @@ class ClockOffset : public Described {
         "the inputs of a frame come {:.3g} s after it; account for that by latency_s of the inputs",
         -values[0]);
   }
+  bool drives() const override { return true; }
   void drive(const arm::Arm&, const Values& values, Series& series) const override {
     if (values[0] == 0.0 || series.t_s.size() == 0) return;
     const auto only = static_cast<Eigen::Index>(values[1] + 0.5) - 1;

@@ -58,6 +58,7 @@ class FlowLimit : public Described {
     return list;
   }
   bool looks_back() const override { return true; }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     const double rise = std::max(values[1], 1.0), fall = std::max(values[2], 1e-3) * rise;

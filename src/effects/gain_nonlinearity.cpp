@@ -10,6 +10,7 @@ class GainNonlinearity : public Described {
   using Described::Described;
   bool varies_along() const override { return false; }
   bool applies_to(const arm::Arm& arm) const override { return !chamber_rows(arm).empty(); }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     for (const Eigen::Index row : chamber_rows(arm)) {
       auto p = series.moment_inputs.row(row).array();

@@ -84,6 +84,7 @@ class Hysteresis : public Described {
   }
 
   bool looks_back() const override { return true; }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     const Of where = of(values);
     if (where == Of::kMaterial || values[0] == 0.0) return;

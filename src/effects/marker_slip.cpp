@@ -18,6 +18,7 @@ class MarkerSlip : public Described {
     const double s = arm.bodies[static_cast<std::size_t>(values[3] + 0.5) - 1].arclength_m;
     return std::make_pair(s, s);
   }
+  bool observes() const override { return true; }
   void observe(const arm::Arm&, const Values& values, const Instant&, Bodies& bodies) const override {
     const auto b = static_cast<std::size_t>(values[3] + 0.5) - 1;
     if (b >= bodies.q.size()) return;

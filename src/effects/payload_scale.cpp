@@ -8,6 +8,7 @@ class PayloadScale : public Described {
  public:
   using Described::Described;
   bool varies_along() const override { return false; }
+  bool drives() const override { return true; }
   void drive(const arm::Arm&, const Values& values, Series& series) const override {
     series.payload_kg /= 1.0 + values[0];
   }

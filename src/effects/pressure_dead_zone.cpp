@@ -25,6 +25,7 @@ class PressureDeadZone : public Described {
         list.push_back(Eigen::Vector3d(0.0, edge_pa, chamber));
     return list;
   }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     for (const Eigen::Index row : rows_of_chamber(arm, chamber_rows(arm), values[2])) {

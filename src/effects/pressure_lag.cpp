@@ -26,6 +26,7 @@ class PressureLag : public Described {
     return list;
   }
   bool looks_back() const override { return true; }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     const double time_s = std::max(values[1], kLeastLag_s), share = values[0] / time_s;

@@ -51,6 +51,7 @@ class PressureLeak : public Described {
   std::string live_obstacle(const Values& values) const override {
     return values[2] < 0.5 ? "" : "only what comes after a command shows whether it is held";
   }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0 || series.t_s.size() == 0) return;
     const Rows pressures = rows_of(arm, arm::InputKind::kPressure);

@@ -17,6 +17,7 @@ class PressureOffset : public Described {
   bool has_parameter(const arm::Arm& arm, int parameter) const override {
     return parameter < static_cast<int>(gas_rows(arm).size());
   }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     const Rows rows = gas_rows(arm);
     for (std::size_t k = 0; k < rows.size() && k < kMostSensors; ++k) {

@@ -27,6 +27,7 @@ class RadialExpansion : public Described {
     }
   }
   /// Markers on the skin move outwards.
+  bool observes() const override { return true; }
   void observe(const arm::Arm& arm, const Values& values, const Instant& instant,
                Bodies& bodies) const override {
     for (std::size_t b = 0; b < arm.bodies.size(); ++b) {

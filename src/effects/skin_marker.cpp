@@ -19,6 +19,7 @@ class SkinMarker : public Described {
     if (b == 0 || b > arm.bodies.size()) return std::nullopt;
     return std::make_pair(arm.bodies[b - 1].arclength_m, arm.bodies[b - 1].arclength_m);
   }
+  bool observes() const override { return true; }
   void observe(const arm::Arm&, const Values& values, const Instant&, Bodies& bodies) const override {
     const std::size_t only = number(values);
     for (std::size_t b = 0; b < bodies.q.size(); ++b) {

@@ -32,6 +32,7 @@ class SupplySag : public Described {
             one(kLongest_s, 0.0, 4e3, 2.0), one(kLongest_s, 0.0, 12e3, 2.0)};
   }
   bool looks_back() const override { return true; }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     const Eigen::RowVectorXd x = drawn(arm, values, series) / kReferencePa;

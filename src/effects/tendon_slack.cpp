@@ -22,6 +22,7 @@ class TendonSlack : public Described {
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     return {Eigen::Vector2d(0.0, 0.04), Eigen::Vector2d(0.0, 0.12)};
   }
+  bool drives() const override { return true; }
   void drive(const arm::Arm& arm, const Values& values, Series& series) const override {
     if (values[0] == 0.0) return;
     const double edge_rad = std::max(values[1], 1e-4);

@@ -45,6 +45,13 @@ std::vector<Present> in_order(std::vector<Present> effects) {
   return effects;
 }
 
+void observe(const arm::Arm& arm, const std::vector<Present>& effects, const Instant& instant,
+             Bodies& bodies) {
+  for (const Present& present : effects) {
+    if (present.effect->observes()) present.effect->observe(arm, present.values, instant, bodies);
+  }
+}
+
 double correlation(const Present& a, Eigen::Index i, const Present& b, Eigen::Index j) {
   const bool of_one_list = a.correlated.cols() == b.correlated.cols();
   if (!of_one_list || i >= a.correlated.rows() || j >= b.correlated.rows()) return 0.0;

@@ -147,7 +147,8 @@ class Effect {
     return std::nullopt;
   }
 
-  /// Changes what drives the trial.
+  /// Whether it changes what drives a trial; only then drive() is called.
+  virtual bool drives() const { return false; }
   virtual void drive(const arm::Arm&, const Values&, Series&) const {}
   /// Changes the rod of one instant, which the laws have actuated.
   /// The shape is the equilibrium: of the instant before this effect where it is looked for, of this instant
@@ -194,7 +195,8 @@ class Effect {
   virtual std::optional<std::pair<double, double>> place(const arm::Arm&, const Values&) const {
     return std::nullopt;
   }
-  /// Changes where bodies are seen.
+  /// Whether it changes where bodies are seen; only then observe() is called.
+  virtual bool observes() const { return false; }
   virtual void observe(const arm::Arm&, const Values&, const Instant&, Bodies&) const {}
 
   /// Whether drive() needs inputs from before the instant.
@@ -210,6 +212,10 @@ class Effect {
 
 /// In the order in which they act on the inputs.
 std::vector<Present> in_order(std::vector<Present> effects);
+
+/// Where bodies are seen with all of these effects.
+void observe(const arm::Arm& arm, const std::vector<Present>& effects, const Instant& instant,
+             Bodies& bodies);
 
 /// Of the errors of value i of a and value j of b, see Present::correlated; 0 where round-off makes one.
 double correlation(const Present& a, Eigen::Index i, const Present& b, Eigen::Index j);

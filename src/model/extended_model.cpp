@@ -93,6 +93,16 @@ struct ExtendedModel::Impl : InstantSolver {
     return instant;
   }
 
+  static std::vector<Instant> instants_of(const arm::Arm& arm, const Series& series, const TrialData& trial) {
+    auto walls = kept_back(arm, series, trial);
+    std::vector<Instant> list;
+    for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
+      list.push_back(instant_of(series, trial, k));
+      if (!walls.empty()) list.back().kept_back = std::move(walls[k]);
+    }
+    return list;
+  }
+
   static Sluggishness sluggishness(const Dynamics& dynamics, const std::vector<Present>& effects) {
     Sluggishness all{0.0, dynamics.viscoelastic_lag_s};
     for (const Present& present : effects) {
@@ -133,7 +143,7 @@ struct ExtendedModel::Impl : InstantSolver {
                  Predicted& out) const {
     Bodies seen;
     bodies_of_solution(seen);
-    for (const Present& present : effects) present.effect->observe(arm, present.values, out.instant, seen);
+    observe(arm, effects, out.instant, seen);
     out.p.resize(3, static_cast<Eigen::Index>(block.bodies.size()));
     for (std::size_t i = 0; i < block.bodies.size(); ++i)
       out.p.col(static_cast<Eigen::Index>(i)) = seen.p.col(block.bodies[i].body);
@@ -212,25 +222,28 @@ struct ExtendedModel::Impl : InstantSolver {
   }
 
   /// Makes the rod of each block that has a prediction, with the shapes and motions of those.
+  /// @param driven_alike whether their instants are the same, too
   /// @param use called with the block, its instant, and whether there is such a rod
   template <typename Use>
   void walk(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
-            const TrialData& trial, const std::vector<Predicted>& baseline, const Use& use) {
-    const Series series = driven(arm, effects, trial.series);
-    const auto walls = kept_back(arm, series, trial);
+            const TrialData& trial, const std::vector<Predicted>& baseline, bool driven_alike,
+            const Use& use) {
     Memories memories(effects);
     memories.begin(arm, fine);
     const bool moves = std::any_of(effects.begin(), effects.end(),
                                    [](const Present& present) { return present.effect->needs_motion(); });
     const Sluggishness sluggish = sluggishness(dynamics, effects);
     const bool anew = swings_otherwise(dynamics, effects, baseline) || (moves && !has_motion(baseline));
+    std::optional<Series> series;
+    if (anew || !driven_alike) series = driven(arm, effects, trial.series);
+    std::vector<Instant> instants;
+    if (!driven_alike) instants = instants_of(arm, *series, trial);
     const std::vector<Motion> motion =
-        anew ? motions(dynamics, sluggish, trial, series, baseline) : std::vector<Motion>();
+        anew ? motions(dynamics, sluggish, trial, *series, baseline) : std::vector<Motion>();
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       const Predicted& base = baseline[k];
       if (!base.solved) continue;
-      Instant instant = instant_of(series, trial, k);
-      if (!walls.empty()) instant.kept_back = walls[k];
+      const Instant& instant = driven_alike ? base.instant : instants[k];
       if (k > 0 && instant.dt_s <= 0.0) memories.rest();
       std::optional<Shape> moved;
       if (anew) {
@@ -321,7 +334,7 @@ struct ExtendedModel::Impl : InstantSolver {
       seen.q[static_cast<std::size_t>(b)] = nearest->q;
       seen.u.col(b) = nearest->u;
     }
-    for (const Present& present : effects) present.effect->observe(arm, present.values, instant, seen);
+    observe(arm, effects, instant, seen);
     return seen.p;
   }
 
@@ -344,7 +357,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
                             bool only_where_solved) {
   Impl& m = *impl_;
   const Series series = Impl::driven(arm, effects, trial.series);
-  const auto walls = Impl::kept_back(arm, series, trial);
+  const std::vector<Instant> instants = Impl::instants_of(arm, series, trial);
   const bool moves = dynamics.inertia || dynamics.viscoelastic_lag_s != 0.0 ||
                      std::any_of(effects.begin(), effects.end(),
                                  [](const Present& present) { return present.effect->needs_motion(); });
@@ -367,8 +380,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
     const Predicted* last = nullptr;
     for (std::size_t k = 0; k < trial.blocks.size(); ++k) {
       Predicted& now = path[k];
-      now.instant = Impl::instant_of(series, trial, k);
-      if (!walls.empty()) now.instant.kept_back = walls[k];
+      now.instant = instants[k];
       if (k > 0 && now.instant.dt_s <= 0.0) {
         memories.rest();
         lost.end();
@@ -402,7 +414,7 @@ void ExtendedModel::predict(const arm::Arm& arm, const std::vector<Present>& eff
 
 ExtendedModel::Varied ExtendedModel::vary(const arm::Arm& arm, const std::vector<Present>& effects,
                                           const Dynamics& dynamics, const TrialData& trial,
-                                          const std::vector<Predicted>& baseline) {
+                                          const std::vector<Predicted>& baseline, bool driven_alike) {
   Impl& m = *impl_;
   Varied varied;
   varied.values = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(m.fine.parameters().size()),
@@ -415,7 +427,9 @@ ExtendedModel::Varied ExtendedModel::vary(const arm::Arm& arm, const std::vector
   }
   varied.seen = Eigen::MatrixXd::Zero(3, bodies);
   varied.swings = Impl::swings_otherwise(dynamics, effects, baseline);
-  m.walk(arm, effects, dynamics, trial, baseline, [&](std::size_t k, const Instant& instant, bool made) {
+  const bool observed = std::any_of(effects.begin(), effects.end(),
+                                    [](const Present& present) { return present.effect->observes(); });
+  const auto use = [&](std::size_t k, const Instant& instant, bool made) {
     const Block& block = trial.blocks[k];
     const Predicted& base = baseline[k];
     // What drives the arm beyond what the laws bear changes nothing.
@@ -424,11 +438,13 @@ ExtendedModel::Varied ExtendedModel::vary(const arm::Arm& arm, const std::vector
       m.fine.values(m.rod, values);
     else
       values = base.values;
+    if (!observed) return;
     const Eigen::Matrix3Xd seen = m.seen(arm, effects, instant, block, base);
     for (std::size_t i = 0; i < block.bodies.size(); ++i)
       varied.seen.col(begins[k] + static_cast<Eigen::Index>(i)) =
           seen.col(block.bodies[i].body) - base.p.col(static_cast<Eigen::Index>(i));
-  });
+  };
+  m.walk(arm, effects, dynamics, trial, baseline, driven_alike, use);
   return varied;
 }
 
@@ -439,7 +455,7 @@ TrialModes ExtendedModel::modes(const arm::Arm& arm, const std::vector<Present>&
   TrialModes list(trial.blocks.size());
   std::shared_ptr<const Modes> last;
   const Predicted* of_last = nullptr;
-  m.walk(arm, effects, dynamics, trial, predicted, [&](std::size_t k, const Instant&, bool made) {
+  m.walk(arm, effects, dynamics, trial, predicted, true, [&](std::size_t k, const Instant&, bool made) {
     if (!made) return;
     if (of_last == nullptr || !m.alike(*of_last, predicted[k])) {
       const std::optional<Flexibility> flexibility = m.flexibility(arm, predicted[k]);
@@ -459,7 +475,7 @@ void ExtendedModel::differentiate(const arm::Arm& arm, const std::vector<Present
                                   const std::vector<bool>& wanted, std::vector<Predicted>& predicted) {
   Impl& m = *impl_;
   m.want(arm, wanted);
-  m.walk(arm, effects, dynamics, trial, predicted, [&](std::size_t k, const Instant&, bool made) {
+  m.walk(arm, effects, dynamics, trial, predicted, true, [&](std::size_t k, const Instant&, bool made) {
     const auto modes = [&](std::size_t block) {
       return dynamics.modes != nullptr && block < dynamics.modes->size() ? (*dynamics.modes)[block].get()
                                                                          : nullptr;

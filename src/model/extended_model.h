@@ -68,6 +68,7 @@ class ExtendedModel {
   /// follows from those, stay as they are in `baseline`. With `reference` what vary() gives for the
   /// parameters of the baseline, by_rod times the difference of `values`, plus that of `seen`, is what the
   /// change does to the bodies, to first order.
+  /// @param driven_alike whether the inputs and the payload are those of the baseline, and so are the walls
   struct Varied {
     Eigen::MatrixXd values;  ///< one column per block; FineRod::values
     Eigen::MatrixXd seen;    ///< 3 x all bodies of all blocks, in order: by which effects move what is seen
@@ -75,7 +76,7 @@ class ExtendedModel {
     bool swings = false;
   };
   Varied vary(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
-              const TrialData& trial, const std::vector<Predicted>& baseline);
+              const TrialData& trial, const std::vector<Predicted>& baseline, bool driven_alike);
 
   /// The modes of a trial at what predict() gave for the same arguments.
   TrialModes modes(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,

@@ -6,6 +6,7 @@ namespace softarm::model {
 
 void drive(const arm::Arm& arm, const std::vector<Present>& effects, Series& series) {
   for (const Present& present : in_order(effects)) {
+    if (!present.effect->drives()) continue;
     series.start = present.start;
     present.effect->drive(arm, present.values, series);
   }

@@ -178,8 +178,7 @@ std::optional<OnlineEffects::Moved> OnlineEffects::moved_by_error(
   if (!solver_.settle(context, errors_.effects(k), &last_.q_tip, &last_.shape, there)) return std::nullopt;
   Bodies bodies;
   solver_.bodies_of_solution(bodies);
-  for (const Present& present : errors_.effects(k))
-    present.effect->observe(arm_, present.values, there.instant, bodies);
+  model::observe(arm_, errors_.effects(k), there.instant, bodies);
   Moved moved{errors_.scale(k) * (bodies.p - bodies_.p), bodies.p};
   for (std::size_t b = 0; b < bodies.q.size(); ++b)
     moved.tangent.col(static_cast<Eigen::Index>(b)) =
@@ -229,8 +228,7 @@ std::vector<Eigen::Vector2d> OnlineEffects::start_variance(
 
 void OnlineEffects::observe(const std::vector<Present>& effects) {
   solver_.bodies_of_solution(bodies_);
-  for (const Present& present : effects)
-    present.effect->observe(arm_, present.values, last_.instant, bodies_);
+  model::observe(arm_, effects, last_.instant, bodies_);
 }
 
 void OnlineEffects::start_here() {

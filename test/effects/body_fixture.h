@@ -131,8 +131,8 @@ inline Eigen::VectorXd signature(model::ExtendedModel& model, const arm::Arm& ar
   const std::vector<model::Predicted> base = predict(model, arm, {}, trial, dynamics, true);
   model::Values none = by.values;
   none.head(by.effect->info().sizes).setZero();
-  const auto with = model.vary(arm, {by}, dynamics, trial, base);
-  const auto without = model.vary(arm, {{by.effect, none}}, dynamics, trial, base);
+  const auto with = model.vary(arm, {by}, dynamics, trial, base, false);
+  const auto without = model.vary(arm, {{by.effect, none}}, dynamics, trial, base, false);
   Eigen::VectorXd all(with.seen.size());
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < base.size(); ++k) {

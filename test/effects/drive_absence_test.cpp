@@ -168,8 +168,9 @@ TEST(DrivesAndMemory, OfNoSizeAreTheBaseline) {
 
 /// To first order, by ExtendedModel::vary.
 Eigen::Matrix3Xd first_order(Arena& arena, const model::Present& present) {
-  const auto without = arena.model.vary(arena.arm, {}, quasi_static(), arena.trial, arena.baseline);
-  const auto with = arena.model.vary(arena.arm, {present}, quasi_static(), arena.trial, arena.baseline);
+  const auto without = arena.model.vary(arena.arm, {}, quasi_static(), arena.trial, arena.baseline, false);
+  const auto with =
+      arena.model.vary(arena.arm, {present}, quasi_static(), arena.trial, arena.baseline, false);
   Eigen::Matrix3Xd out = with.seen - without.seen;
   Eigen::Index at = 0;
   for (std::size_t k = 0; k < arena.baseline.size(); ++k) {
@@ -231,7 +232,8 @@ TEST(DrivesAndMemory, GiveNumbersAtTheEndsOfTheirRanges) {
       for (const model::Predicted& p : with) {
         EXPECT_TRUE(!p.solved || (p.p.allFinite() && p.values.allFinite())) << info.id << values.transpose();
       }
-      const auto varied = arena.model.vary(arm, {{effect, values}}, quasi_static(), trial, arena.baseline);
+      const auto varied =
+          arena.model.vary(arm, {{effect, values}}, quasi_static(), trial, arena.baseline, false);
       EXPECT_TRUE(varied.values.allFinite() && varied.seen.allFinite()) << info.id << values.transpose();
     };
     model::Values low = usual(*effect), high = low;

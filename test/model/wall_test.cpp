@@ -35,8 +35,10 @@ TEST(ExtendedModel, HasTheWallOfTheArmFile) {
   EXPECT_GT((with[2].p - by_laws[2].p).norm(), 1e-3);
   EXPECT_LT((with[0].p - by_laws[0].p).norm(), 1e-6);
   // Derivatives go by the same rod.
-  const auto varied = walled.vary(arm, {}, model::Dynamics{false, 0.0}, trial, with);
+  const auto varied = walled.vary(arm, {}, model::Dynamics{false, 0.0}, trial, with, false);
   EXPECT_LT((varied.values.col(2) - with[2].values).norm(), 1e-12);
+  const auto alike = walled.vary(arm, {}, model::Dynamics{false, 0.0}, trial, with, true);
+  EXPECT_EQ(alike.values, varied.values);
 }
 
 }  // namespace
