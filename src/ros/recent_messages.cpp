@@ -28,6 +28,17 @@ std::size_t on_heap(std::size_t bytes) {
   return std::max(kLeast, (bytes + kHeader + kStep - 1) / kStep * kStep);
 }
 
+/// What a text takes beside its own object: nothing where it is short.
+std::size_t on_heap(const std::string& text) {
+  return text.capacity() > std::string().capacity() ? on_heap(text.capacity() + 1) : 0;
+}
+
+/// What an entry of a map takes.
+std::size_t entry_on_heap(std::size_t bytes) {
+  constexpr std::size_t kNode = 4 * sizeof(void*);  // colour, parent, left, right
+  return on_heap(kNode + bytes);
+}
+
 /// Writes messages as they were published: those of a source one after the other through one ShapeShifter.
 class BagOfRecent {
  public:
@@ -56,6 +67,19 @@ bool RecentSource::latched() const {
   return found != connection->end() && found->second == "1";
 }
 
+std::size_t RecentSource::footprint() const {
+  // Itself, and its entry in RecentMessages: a pointer and two numbers.
+  std::size_t bytes = on_heap(kCounters + sizeof(RecentSource)) +
+                      entry_on_heap(sizeof(std::shared_ptr<RecentSource>) + 2 * sizeof(std::size_t));
+  for (const std::string* text : {&topic, &type, &md5, &definition}) bytes += on_heap(*text);
+  if (!connection) return bytes;
+  // roscpp lets go of the header when the connection ends: it is then kept for the messages alone.
+  bytes += on_heap(kCounters + sizeof(ros::M_string));
+  for (const auto& [key, value] : *connection)
+    bytes += entry_on_heap(sizeof(ros::M_string::value_type)) + on_heap(key) + on_heap(value);
+  return bytes;
+}
+
 std::size_t RecentMessage::footprint(std::size_t size) {
   // Its place in the deque, whose blocks are never quite full; the vector; the vector's bytes.
   return sizeof(RecentMessage) + sizeof(void*) + on_heap(kCounters + sizeof(std::vector<std::uint8_t>)) +
@@ -66,36 +90,44 @@ double RecentMessages::duration_s() const {
   return messages_.empty() ? 0.0 : (messages_.back().receipt - messages_.front().receipt).toSec();
 }
 
+void RecentMessages::hold(const RecentMessage& message) {
+  Held& held = sources_.at(message.source);
+  if (held.messages++ == 0) bytes_ += held.footprint;
+  bytes_ += message.footprint();
+}
+
+void RecentMessages::release(const RecentMessage& message) {
+  bytes_ -= message.footprint();
+  const auto source = sources_.find(message.source);
+  if (--source->second.messages > 0) return;
+  bytes_ -= source->second.footprint;
+  sources_.erase(source);
+}
+
 void RecentMessages::drop_oldest() {
   RecentMessage& oldest = messages_.front();
   if (oldest.source->latched()) {
     const auto [entry, is_new] = before_.try_emplace(oldest.source->topic);
-    if (!is_new) bytes_ -= entry->second.footprint();
+    if (!is_new) release(entry->second);
     entry->second = std::move(oldest);
   } else {
-    bytes_ -= oldest.footprint();
+    release(oldest);
   }
   messages_.pop_front();
 }
 
-std::shared_ptr<const RecentSource> RecentMessages::source_of(
+RecentMessages::Sources::iterator RecentMessages::source_of(
     const std::string& topic, const topic_tools::ShapeShifter& message,
     const boost::shared_ptr<ros::M_string>& connection) {
-  for (auto entry = sources_.begin(); entry != sources_.end();) {
-    const std::shared_ptr<const RecentSource> source = entry->lock();
-    if (!source) {
-      entry = sources_.erase(entry);  // its connection is over, and its messages have gone
-      continue;
-    }
-    if (source->connection == connection && source->topic == topic && source->md5 == message.getMD5Sum() &&
-        source->type == message.getDataType())
-      return source;
-    ++entry;
-  }
+  const auto found = std::find_if(sources_.begin(), sources_.end(), [&](const auto& entry) {
+    const RecentSource& source = *entry.first;
+    return source.connection == connection && source.topic == topic && source.md5 == message.getMD5Sum() &&
+           source.type == message.getDataType();
+  });
+  if (found != sources_.end()) return found;
   const auto source = std::make_shared<const RecentSource>(RecentSource{
       topic, message.getDataType(), message.getMD5Sum(), message.getMessageDefinition(), connection});
-  sources_.push_back(source);
-  return source;
+  return sources_.emplace(source, Held{0, source->footprint()}).first;
 }
 
 void RecentMessages::add(const std::string& topic, const ros::Time& receipt,
@@ -103,13 +135,15 @@ void RecentMessages::add(const std::string& topic, const ros::Time& receipt,
                          const boost::shared_ptr<ros::M_string>& connection) {
   if (!messages_.empty() && (messages_.back().receipt - receipt).toSec() > kTimeBack_s)
     while (!messages_.empty()) drop_oldest();
-  if (RecentMessage::footprint(message.size()) > most_bytes_) {
+  const auto source = source_of(topic, message, connection);
+  if (RecentMessage::footprint(message.size()) + source->second.footprint > most_bytes_) {
+    if (source->second.messages == 0) sources_.erase(source);
     ++dropped_for_size_;  // rather it than all others
     return;
   }
-  RecentMessage added{receipt, source_of(topic, message, connection),
+  RecentMessage added{receipt, source->first,
                       std::make_shared<const std::vector<std::uint8_t>>(bytes_of(message))};
-  bytes_ += added.footprint();
+  hold(added);
   // Nearly always the last; topics overtake one another by a little.
   auto place = messages_.end();
   while (place != messages_.begin() && std::prev(place)->receipt > receipt) --place;

@@ -21,6 +21,9 @@ struct RecentSource {
   boost::shared_ptr<ros::M_string> connection;  ///< header of its connection; may be null
 
   bool latched() const;
+  /// What it takes of the memory. A publisher that comes anew for each message (`rostopic pub`) has one for
+  /// each.
+  std::size_t footprint() const;
 };
 
 /// One message of any type, as it came. Copies share the message.
@@ -29,7 +32,7 @@ struct RecentMessage {
   std::shared_ptr<const RecentSource> source;
   std::shared_ptr<const std::vector<std::uint8_t>> bytes;
 
-  /// What one of so many bytes takes of the memory, with all that is needed to keep it.
+  /// What one of so many bytes takes of the memory, with all that is needed to keep it but its source.
   static std::size_t footprint(std::size_t size);
   std::size_t footprint() const { return footprint(bytes->size()); }
 };
@@ -42,22 +45,29 @@ class RecentMessages {
   RecentMessages(double keep_s, std::size_t most_bytes) : keep_s_(keep_s), most_bytes_(most_bytes) {}
 
   /// A message received before the newest one by more than a second (time went back) makes all before it go,
-  /// but for the latched ones. One that is larger than all memory for messages is not kept.
+  /// but for the latched ones. One that, with its source, is larger than all memory for messages is not kept.
   void add(const std::string& topic, const ros::Time& receipt, const topic_tools::ShapeShifter& message,
            const boost::shared_ptr<ros::M_string>& connection);
 
   const std::deque<RecentMessage>& messages() const { return messages_; }
   /// The newest latched message of each topic from before the first of messages().
   const std::map<std::string, RecentMessage>& before() const { return before_; }
-  /// Of the memory, for messages() and before().
+  /// Of the memory, for messages(), before() and their sources.
   std::size_t bytes() const { return bytes_; }
   double duration_s() const;
   std::uint64_t dropped_for_size() const { return dropped_for_size_; }
 
  private:
-  std::shared_ptr<const RecentSource> source_of(const std::string& topic,
-                                                const topic_tools::ShapeShifter& message,
-                                                const boost::shared_ptr<ros::M_string>& connection);
+  /// What is kept of a source.
+  struct Held {
+    std::size_t messages = 0, footprint = 0;
+  };
+  using Sources = std::map<std::shared_ptr<const RecentSource>, Held>;
+
+  Sources::iterator source_of(const std::string& topic, const topic_tools::ShapeShifter& message,
+                              const boost::shared_ptr<ros::M_string>& connection);
+  void hold(const RecentMessage& message);
+  void release(const RecentMessage& message);
   void drop_oldest();
 
   double keep_s_;
@@ -65,7 +75,7 @@ class RecentMessages {
   std::uint64_t dropped_for_size_ = 0;
   std::deque<RecentMessage> messages_;
   std::map<std::string, RecentMessage> before_;
-  std::vector<std::weak_ptr<const RecentSource>> sources_;
+  Sources sources_;
 };
 
 /// Writes messages as bags of equal duration, `folder`/trial_01.bag ..., each beginning with the latched

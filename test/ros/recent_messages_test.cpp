@@ -69,7 +69,8 @@ TEST(RecentMessages, KeepTheNewestWithinTheMemory) {
   for (int i = 0; i < 10000; ++i) recent.add("/number", ros::Time(1000.0 + 0.01 * i), number(i), connection);
   EXPECT_LE(recent.bytes(), 100000u);
   EXPECT_GE(recent.bytes(), 99000u);
-  EXPECT_EQ(recent.bytes(), recent.messages().size() * RecentMessage::footprint(8));
+  const std::size_t source = recent.messages().front().source->footprint();
+  EXPECT_EQ(recent.bytes(), recent.messages().size() * RecentMessage::footprint(8) + source);
   EXPECT_EQ(recent.dropped_for_size(), 10000u - recent.messages().size());
   EXPECT_NEAR(recent.messages().back().receipt.toSec(), 1099.99, 1e-6);
 }
@@ -84,6 +85,45 @@ TEST(RecentMessages, TakeNoMoreMemoryThanIsCounted) {
   const auto grown = static_cast<double>(resident_bytes()) - before;
   EXPECT_GT(recent.bytes(), 200000u * 150u);
   EXPECT_LT(grown, 1.1 * static_cast<double>(recent.bytes()) + 2e6);
+}
+
+/// As of `rostopic pub -1`, again and again: each message comes by a connection of its own.
+TEST(RecentMessages, WhatConnectionsTakeIsCountedAndGoesWithTheirMessages) {
+  RecentMessages recent(1e6, 100000);
+  for (int i = 0; i < 1000; ++i)
+    recent.add("/number", ros::Time(1000.0 + i), number(i), connection_of(i % 2 == 0));
+  std::size_t bytes =
+      recent.before().at("/number").footprint() + recent.before().at("/number").source->footprint();
+  for (const RecentMessage& message : recent.messages())
+    bytes += message.footprint() + message.source->footprint();
+  EXPECT_EQ(recent.bytes(), bytes);
+  EXPECT_LE(recent.bytes(), 100000u);
+  EXPECT_LT(recent.messages().size(), 100000u / 500u);  // each source has the definition and the header
+  EXPECT_GT(recent.messages().size(), 10u);
+}
+
+TEST(RecentMessages, ConnectionsTakeNoMoreMemoryThanIsCounted) {
+  if (std::getenv("SOFTARM_SANITIZE") != nullptr) return;  // a sanitizer has memory of its own
+  RecentMessages recent(1e6, std::size_t{1} << 40);
+  const topic_tools::ShapeShifter message = number(0.0);
+  const auto before = static_cast<double>(resident_bytes());
+  for (int i = 0; i < 8000; ++i)
+    recent.add("/number", ros::Time(1000.0 + 1e-3 * i), message, connection_of(false));
+  const auto grown = static_cast<double>(resident_bytes()) - before;
+  EXPECT_LT(grown, 1.1 * static_cast<double>(recent.bytes()) + 2e6);
+}
+
+TEST(RecentMessages, ADefinitionThatIsLargerThanAllIsNotKept) {
+  RecentMessages recent(1e6, 100000);
+  const Connection connection = connection_of(false);
+  for (int i = 0; i < 100; ++i) recent.add("/number", ros::Time(1000.0 + i), number(i), connection);
+  const std::size_t bytes = recent.bytes();
+  topic_tools::ShapeShifter large = number(1.0);
+  large.morph(large.getMD5Sum(), "test/Large", std::string(100000, '#'), "");
+  recent.add("/large", ros::Time(1100.0), large, connection_of(false));
+  EXPECT_EQ(recent.messages().size(), 100u);
+  EXPECT_EQ(recent.bytes(), bytes);
+  EXPECT_EQ(recent.dropped_for_size(), 1u);
 }
 
 TEST(RecentMessages, OneThatIsLargerThanAllIsNotKept) {
@@ -106,7 +146,8 @@ TEST(RecentMessages, LatchedOnesStayWhereTimeGoesBackAndAreCounted) {
   ASSERT_EQ(recent.messages().size(), 1u);
   ASSERT_EQ(recent.before().size(), 1u);
   EXPECT_EQ(*recent.before().at("/payload").bytes, bytes_of(number(0.2)));
-  EXPECT_EQ(recent.bytes(), 2u * RecentMessage::footprint(8));
+  EXPECT_EQ(recent.bytes(), 2u * RecentMessage::footprint(8) + recent.messages().front().source->footprint() +
+                                recent.before().at("/payload").source->footprint());
 }
 
 TEST(RecentMessages, AreWrittenAsTheyCame) {
