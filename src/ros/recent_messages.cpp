@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "bag_message.h"
+#include "conversions.h"
 #include "open_bag.h"
 
 namespace softarm {
@@ -26,6 +27,10 @@ std::size_t on_heap(std::size_t bytes) {
   constexpr std::size_t kHeader = 8, kStep = 16, kLeast = 32, kLarge = 128 * 1024, kPage = 4096;
   if (bytes >= kLarge) return (bytes + 2 * kHeader + kPage - 1) / kPage * kPage;
   return std::max(kLeast, (bytes + kHeader + kStep - 1) / kStep * kStep);
+}
+
+double seconds_between(const ros::Time& from, const ros::Time& to) {
+  return seconds_since(to_stamp(from).ns, to);
 }
 
 /// What a text takes beside its own object: nothing where it is short.
@@ -51,7 +56,8 @@ class BagOfRecent {
     auto* const bytes = const_cast<std::uint8_t*>(m.bytes->data());  // IStream only reads them
     ros::serialization::IStream stream(bytes, static_cast<std::uint32_t>(m.bytes->size()));
     shape.read(stream);
-    bag_.write(m.source->topic, receipt, shape, m.source->connection);
+    // What came before there was a simulated time came at zero, which bags do not take.
+    bag_.write(m.source->topic, std::max(receipt, ros::TIME_MIN), shape, m.source->connection);
   }
 
  private:
@@ -87,7 +93,7 @@ std::size_t RecentMessage::footprint(std::size_t size) {
 }
 
 double RecentMessages::duration_s() const {
-  return messages_.empty() ? 0.0 : (messages_.back().receipt - messages_.front().receipt).toSec();
+  return messages_.empty() ? 0.0 : seconds_between(messages_.front().receipt, messages_.back().receipt);
 }
 
 void RecentMessages::hold(const RecentMessage& message) {
@@ -133,7 +139,7 @@ RecentMessages::Sources::iterator RecentMessages::source_of(
 void RecentMessages::add(const std::string& topic, const ros::Time& receipt,
                          const topic_tools::ShapeShifter& message,
                          const boost::shared_ptr<ros::M_string>& connection) {
-  if (!messages_.empty() && (messages_.back().receipt - receipt).toSec() > kTimeBack_s)
+  if (!messages_.empty() && seconds_between(receipt, messages_.back().receipt) > kTimeBack_s)
     while (!messages_.empty()) drop_oldest();
   const auto source = source_of(topic, message, connection);
   if (RecentMessage::footprint(message.size()) + source->second.footprint > most_bytes_) {

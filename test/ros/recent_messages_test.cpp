@@ -150,6 +150,30 @@ TEST(RecentMessages, LatchedOnesStayWhereTimeGoesBackAndAreCounted) {
                                 recent.before().at("/payload").source->footprint());
 }
 
+TEST(RecentMessages, AClockThatLeapsByDecadesIsFollowed) {
+  RecentMessages recent(100.0, 100000);
+  const Connection connection = connection_of(false);
+  for (double receipt_s : {4e9, 4e9 + 1.0, 1.0, 2.0, 4e9, 4e9 + 1.0})
+    EXPECT_NO_THROW(recent.add("/number", ros::Time(receipt_s), number(0.0), connection));
+  EXPECT_EQ(recent.messages().size(), 2u);
+  EXPECT_NEAR(recent.duration_s(), 1.0, 1e-6);
+}
+
+/// Before the first /clock of a simulation that begins at zero.
+TEST(RecentMessages, OfBeforeASimulatedTimeAreWritten) {
+  RecentMessages recent(100.0, 100000);
+  recent.add("/number", ros::Time(), number(0.0), connection_of(false));
+  recent.add("/payload", ros::Time(), number(0.1), connection_of(true));
+  recent.add("/number", ros::Time(3.0), number(1.0), connection_of(false));
+  const fs::path folder = fs::temp_directory_path() / ("softarm_recent_zero_" + std::to_string(::getpid()));
+  const std::vector<std::string> paths = write_trials(recent, folder.string(), 3.0);
+  ASSERT_EQ(paths.size(), 1u);
+  const std::shared_ptr<rosbag::Bag> bag = open_bag(paths.front());
+  EXPECT_EQ(rosbag::View(*bag).size(), 3u);
+  bag->close();
+  fs::remove_all(folder);
+}
+
 TEST(RecentMessages, AreWrittenAsTheyCame) {
   RecentMessages recent(100.0, 1000000);
   const Connection latched = connection_of(true), plain = connection_of(false);
