@@ -23,8 +23,9 @@ namespace softarm::trial {
 ///
 /// 1. Check the stamp: not zero, no lone outlier in time, no duplicate, not older than what was emitted. A
 /// stamp that
-///    goes back by more than a second, and is confirmed by a second message, is a time jump: everything but
-///    the payload is forgotten, `time_jumps` counts it. Bodies of one message do not confirm one another.
+///    goes back by more than a second, and is confirmed by a second message before the others have gone on
+///    for a second where time was, is a time jump: everything but the payload is forgotten, `time_jumps`
+///    counts it. Bodies of one message do not confirm one another.
 /// 2. Gate the pose: finite, not all zero, unit quaternion, not frozen, not jumping (BodyGate).
 /// 3. A frame closes when every expected body has reported at or after its stamp (each topic delivers in
 /// order, so
@@ -158,14 +159,15 @@ class FrameAssembler {
   struct Candidate {
     double stamp_s = 0.0;
     std::uint64_t message = 0;
+    double newest_s = 0.0;  // of all bodies when it came
   };
   struct Stream {
     std::string name;
     BodyGate gate;
     bool expected = true;
-    std::optional<double> newest_s;       // last stamp of this body in the present epoch
-    std::optional<double> before_jump_s;  // ... and in the one before the last time jump
-    std::optional<Candidate> back_candidate;
+    std::optional<double> newest_s;           // last stamp of this body in the present epoch
+    std::optional<double> before_jump_s;      // ... and in the one before the last time jump
+    std::optional<Candidate> back_candidate;  // until this body, or time, has gone on where it was
   };
   struct Input {
     InputRhythm rhythm;

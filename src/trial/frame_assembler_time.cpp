@@ -10,6 +10,10 @@ namespace {
 
 constexpr double kSlowestStream_s = 60.0;  // between two messages that agree: slower ones are no stream
 constexpr double kPaces = 2.5;             // one instant may be lost
+// A clock that goes back takes all bodies with it. Where they go on for so long where time was, the stamp of
+// the one that went back was damaged. Should what is still on its way from before a jump take longer, the
+// next two messages of the new time agree.
+constexpr double kGoesOn_s = 1.0;
 
 }  // namespace
 
@@ -28,8 +32,10 @@ bool FrameAssembler::confirms(const std::optional<Candidate>& candidate, double 
 
 /// One sample may be damaged; two that agree are a new time, whichever bodies they are of.
 bool FrameAssembler::confirms_step_back(double stamp_s) const {
-  return std::any_of(streams_.begin(), streams_.end(),
-                     [&](const Stream& stream) { return confirms(stream.back_candidate, stamp_s); });
+  return std::any_of(streams_.begin(), streams_.end(), [&](const Stream& stream) {
+    const std::optional<Candidate>& candidate = stream.back_candidate;
+    return confirms(candidate, stamp_s) && *newest_s_ <= candidate->newest_s + kGoesOn_s;
+  });
 }
 
 bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
@@ -45,7 +51,7 @@ bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
       reset_time(stamp_s);
       return true;
     }
-    stream.back_candidate = Candidate{stamp_s, message_};
+    stream.back_candidate = Candidate{stamp_s, message_, *newest_s_};
     reject("time_jump", stream.name);
     return false;
   }
@@ -66,7 +72,7 @@ bool FrameAssembler::check_time(Stream& stream, double stamp_s) {
     ahead_candidate_.reset();
     return true;
   }
-  ahead_candidate_ = Candidate{stamp_s, message_};
+  ahead_candidate_ = Candidate{stamp_s, message_, *newest_s_};
   reject("time_gap", stream.name);
   return false;
 }

@@ -228,6 +228,26 @@ TEST(FrameAssemblerTime, LoneDamagedStampsAndLaggingClocksAreNoJump) {
   EXPECT_GE(assembler.take().size(), 479u);
 }
 
+/// Two bodies are lost, each with a damaged stamp. Only soon after one another are they a new time.
+TEST(FrameAssemblerTime, AStepBackIsForgottenWhereTimeGoesOn) {
+  for (int second : {200, 400}) {
+    trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
+    Feeder feed(assembler);
+    for (int k = 0; k < 480; ++k) {
+      feed.body(-1, k);
+      feed.body(0, k);
+      if (k <= 100) feed.body_at(1, feed.stamp(k) - (k == 100 ? 500.0 : 0.0), k);
+      if (k <= second) feed.body_at(2, feed.stamp(k) - (k == second ? 500.0 : 0.0), k);
+    }
+    EXPECT_EQ(assembler.time_jumps(), second == 200 ? 1u : 0u);
+    EXPECT_EQ(count(assembler.rejected(), "time_jump ring_2"), 1u);
+    if (second == 400) {
+      EXPECT_EQ(count(assembler.rejected(), "time_jump ring_3"), 1u);
+      EXPECT_EQ(assembler.take().size(), 480u);
+    }
+  }
+}
+
 /// Sends all bodies in one message.
 void one_message(trial::FrameAssembler& assembler, Feeder& feed, double stamp_s, int k) {
   assembler.begin_message("/tf", "all");
