@@ -206,7 +206,6 @@ std::optional<double> FrameAssembler::changed_beside(std::size_t slot) const {
   const std::optional<double> others = others_changed_s(slot);
   // A mount rests: where there is but one ring, what drives it must say that it should move.
   if (streams_.size() > 2 || !input_changed_s_) return others;
-  if (newest_s_ && *input_changed_s_ > *newest_s_ + params_.time_jump_s) return others;  // a damaged stamp
   return std::max(others.value_or(*input_changed_s_), *input_changed_s_);
 }
 

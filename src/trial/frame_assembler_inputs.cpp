@@ -28,10 +28,10 @@ void FrameAssembler::add_input(int input, Stamp stamp, double value) {
   if (stream.rhythm.newest_s() && stamp_s < *stream.rhythm.newest_s() - params_.time_jump_s)
     stream.rhythm.reset();
   stream.rhythm.add(stamp_s);
-  if (stream.last && *stream.last != value) {
-    // Not for ever by a stamp that was damaged, or of the time before a jump.
-    const bool later = input_changed_s_ && *input_changed_s_ < stamp_s + params_.time_jump_s;
-    input_changed_s_ = later ? std::max(*input_changed_s_, stamp_s) : stamp_s;
+  if (newest_s_ && stream.last && *stream.last != value) {
+    // No later than the bodies that came before it: its stamp may be damaged.
+    const double changed_s = std::min(stamp_s, *newest_s_);
+    input_changed_s_ = std::max(input_changed_s_.value_or(changed_s), changed_s);
   }
   stream.last = value;
   // One that always comes too late would hold up every frame, and in vain.
