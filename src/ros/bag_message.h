@@ -1,6 +1,7 @@
 // A message of a bag, once its lengths have been looked at.
 #pragma once
 
+#include <ros/exception.h>
 #include <ros/message_traits.h>
 #include <ros/serialization.h>
 #include <rosbag/message_instance.h>
@@ -10,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "message_schema.h"
+#include "checked_message.h"
 
 namespace softarm {
 
@@ -34,24 +35,18 @@ std::vector<std::uint8_t> bytes_of(const Message& message) {
   return bytes;
 }
 
-/// @throws ros::Exception if a length in the message says more than its bytes hold
-void check_message_lengths(const BagMessage& message, const MessageSchema& schema);
-
-/// Reads a message. roscpp makes room for as many elements as a damaged length says, gigabytes of them,
-/// before it looks for them: hence the lengths are held against the bytes before.
+/// Reads a message.
 /// @return null if it is of another type, or its type was defined otherwise where it was recorded
 /// @throws ros::Exception if it is damaged
 template <class Message>
 std::unique_ptr<Message> read_message(const BagMessage& message) {
-  namespace traits = ros::message_traits;
-  static const MessageSchema schema(traits::DataType<Message>::value(), traits::Definition<Message>::value());
-  static const bool has_lengths = schema.has_lengths();
-  if (message.md5 != traits::MD5Sum<Message>::value()) return nullptr;
-  if (has_lengths || message.bytes.empty()) check_message_lengths(message, schema);
-  auto* const bytes = const_cast<std::uint8_t*>(message.bytes.data());  // IStream only reads them
-  ros::serialization::IStream stream(bytes, static_cast<std::uint32_t>(message.bytes.size()));
+  if (message.md5 != ros::message_traits::MD5Sum<Message>::value()) return nullptr;
   auto read = std::make_unique<Message>();
-  ros::serialization::deserialize(stream, *read);
+  try {
+    read_bytes(message.bytes.data(), message.bytes.size(), *read);
+  } catch (const SchemaError& e) {
+    throw ros::Exception(message.topic + ": " + e.what());
+  }
   return read;
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bag_message.h"
+#include "checked_message.h"
 #include "conversions.h"
 #include "trial/frame_assembler.h"
 
@@ -50,6 +51,31 @@ struct InputTopic {
 /// own epoch), it is the newest of theirs. Zero (no clock yet) stays zero.
 trial::Stamp headerless_stamp(trial::Stamp receipt, const trial::FrameAssembler& assembler);
 
+template <class Message>
+using LiveEvent = ros::MessageEvent<CheckedMessage<Message> const>;
+
+/// What roscpp calls with each message of a live topic. One that cannot be read is counted as rejected:
+/// "undecodable <feeds>". The assembler must outlive it.
+template <class Message>
+boost::function<void(const LiveEvent<Message>&)> live_reader(
+    const std::string& topic, const std::string& feeds,
+    const std::function<void(const Message&, trial::Stamp, trial::FrameAssembler&)>& convert,
+    trial::FrameAssembler& assembler, const OnMessage& on_message) {
+  return [topic, feeds, convert, &assembler, on_message](const LiveEvent<Message>& event) {
+    const CheckedMessage<Message>& checked = *event.getConstMessage();
+    assembler.begin_message(topic, feeds);
+    if (!checked.fault.empty()) {
+      ROS_WARN_THROTTLE(10.0, "%s: a message cannot be read: %s", topic.c_str(), checked.fault.c_str());
+      assembler.count_rejected("undecodable", feeds);
+      on_message(nullptr, event.getPublisherName());
+      return;
+    }
+    // The time of receipt, not of this call: a node that is busy must not shift what has no stamp of its own.
+    convert(checked.message, to_stamp(event.getReceiptTime()), assembler);
+    on_message(ros::message_traits::header(checked.message), event.getPublisherName());
+  };
+}
+
 /// Makes an InputTopic of a conversion.
 /// @param convert adds the samples of one message: (message, time of receipt, assembler)
 template <class Message>
@@ -70,17 +96,9 @@ InputTopic make_input_topic(
   };
   input.subscribe = [topic, feeds, convert](ros::NodeHandle& nh, trial::FrameAssembler& assembler,
                                             OnMessage on_message) {
-    // The time of receipt, not of this call: a node that is busy must not shift what has no stamp of its own.
-    using Event = ros::MessageEvent<Message const>;
-    const boost::function<void(const Event&)> callback = [topic, feeds, convert, &assembler,
-                                                          on_message](const Event& event) {
-      const Message& message = *event.getConstMessage();
-      assembler.begin_message(topic, feeds);
-      convert(message, to_stamp(event.getReceiptTime()), assembler);
-      on_message(ros::message_traits::header(message), event.getPublisherName());
-    };
-    return nh.subscribe<Message, const Event&>(topic, kSubscriberQueue, callback, ros::VoidConstPtr(),
-                                               ros::TransportHints().tcpNoDelay());
+    return nh.subscribe<CheckedMessage<Message>, const LiveEvent<Message>&>(
+        topic, kSubscriberQueue, live_reader<Message>(topic, feeds, convert, assembler, on_message),
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   };
   return input;
 }

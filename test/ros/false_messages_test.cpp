@@ -4,10 +4,14 @@
 #include <gtest/gtest.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <softarm_estimator/PhasespaceMarkers.h>
+#include <std_msgs/Float64MultiArray.h>
+#include <tf2_msgs/TFMessage.h>
 
+#include <boost/make_shared.hpp>
 #include <cstring>
 
 #include "drivers_support.h"
+#include "ros/input_topic.h"
 #include "ros/input_topics.h"
 #include "ros/message_schema.h"
 
@@ -145,6 +149,71 @@ TEST(FalseMessages, CloudsArePackedOrSayMoreThanTheyHold) {
   many.width = many.height = 1u << 31;
   many.point_step = 16;
   EXPECT_THAT(rejected(many), ElementsAre(Pair("no_points markers", 1u)));
+}
+
+/// What becomes of the bytes of one message on their way through roscpp.
+template <class Message>
+struct Live {
+  std::vector<Message> read;
+  std::map<std::string, std::uint64_t> rejected;
+  int messages = 0;
+  std::size_t room = 0;  // bytes that were made room for
+};
+template <class Message, class Array>
+Live<Message> through_roscpp(std::vector<std::uint8_t> bytes, Array Message::*array) {
+  ros::Time::init();  // the log asks for it
+  Live<Message> outcome;
+  trial::FrameAssembler assembler(arm_with(kFixedBase));
+  const auto convert = [&](const Message& message, trial::Stamp, trial::FrameAssembler&) {
+    outcome.read.push_back(message);
+  };
+  const auto reader =
+      live_reader<Message>("/t", "p1", convert, assembler,
+                           [&](const std_msgs::Header*, const std::string&) { ++outcome.messages; });
+  ros::SubscriptionCallbackHelperT<const LiveEvent<Message>&> helper(reader);
+  ros::SubscriptionCallbackHelperDeserializeParams params;
+  params.buffer = bytes.data();
+  params.length = static_cast<std::uint32_t>(bytes.size());
+  params.connection_header = boost::make_shared<ros::M_string>();
+  const auto message = boost::static_pointer_cast<CheckedMessage<Message> const>(helper.deserialize(params));
+  outcome.room = (message->message.*array).capacity() * sizeof(typename Array::value_type);
+  reader(LiveEvent<Message>(message, params.connection_header, ros::Time(kStart_s)));
+  outcome.rejected = assembler.rejected();
+  return outcome;
+}
+
+TEST(FalseMessages, OfALiveTopicMakeNoRoomForWhatDoesNotCome) {
+  using Numbers = std_msgs::Float64MultiArray;
+  const auto numbers = [](std::uint32_t length) {
+    // No dimensions, no offset, and one number.
+    return through_roscpp(Bytes().add(0u).add(0u).add(length).add(1e5).get(), &Numbers::data);
+  };
+  const Live<Numbers> good = numbers(1);
+  ASSERT_EQ(good.read.size(), 1u);
+  EXPECT_THAT(good.read.front().data, ElementsAre(1e5));
+  EXPECT_THAT(good.rejected, IsEmpty());
+  EXPECT_EQ(good.messages, 1);
+  for (std::uint32_t length : {2u, (1u << 29) + 1, 0xFFFFFFFFu}) {  // the second one takes 8 bytes in 32 bits
+    const Live<Numbers> damaged = numbers(length);
+    EXPECT_TRUE(damaged.read.empty());
+    EXPECT_EQ(damaged.room, 0u);
+    EXPECT_THAT(damaged.rejected, ElementsAre(Pair("undecodable p1", 1u)));
+    EXPECT_EQ(damaged.messages, 1);  // it came all the same
+  }
+  const auto transforms =
+      through_roscpp(Bytes().add(10000000u).add(0u).get(), &tf2_msgs::TFMessage::transforms);
+  EXPECT_TRUE(transforms.read.empty());
+  EXPECT_EQ(transforms.room, 0u);
+  EXPECT_THAT(transforms.rejected, ElementsAre(Pair("undecodable p1", 1u)));
+}
+
+TEST(FalseMessages, ToItsPublisherACheckedMessageIsTheMessage) {
+  namespace traits = ros::message_traits;
+  using Cloud = sensor_msgs::PointCloud2;
+  EXPECT_STREQ(traits::md5sum<CheckedMessage<Cloud>>(), traits::md5sum<Cloud>());
+  EXPECT_STREQ(traits::datatype<CheckedMessage<Cloud>>(), traits::datatype<Cloud>());
+  EXPECT_TRUE(traits::hasHeader<CheckedMessage<Cloud>>());
+  EXPECT_FALSE(traits::hasHeader<CheckedMessage<std_msgs::Float64MultiArray>>());
 }
 
 TEST(FalseMessages, EmptyBytesAreRefused) {
