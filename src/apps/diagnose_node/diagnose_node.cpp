@@ -4,12 +4,14 @@
 
 #include <ctime>
 #include <filesystem>
-#include <set>
+#include <map>
+#include <string>
 #include <utility>
 
 #include "child.h"
 #include "ros/input_topics.h"
 #include "ros/master_watch.h"
+#include "ros/open_bag.h"
 
 namespace softarm::app {
 namespace {
@@ -41,11 +43,14 @@ DiagnoseNode::DiagnoseNode(const ros::NodeHandle& nh, const ros::NodeHandle& pri
       params_(params),
       recent_(params.keep_s, static_cast<std::size_t>(1e6 * params.most_mb)),
       updater_(nh_, private_nh_, ros::this_node::getName()) {
-  std::set<std::string> topics;  // base and rings may come on one: its messages are kept once
-  for (const InputTopic& input : input_topics(params_.arm)) topics.insert(nh_.resolveName(input.topic));
-  for (const std::string& topic : topics) {
-    const boost::function<void(const Event&)> callback = [this, topic](const Event& event) {
-      on_message(topic, event);
+  // By the names that the program looks for, wherever remapping and namespace take them from. Base and rings
+  // may come on one topic: its messages are kept once.
+  std::map<std::string, std::string> topics;
+  for (const InputTopic& input : input_topics(params_.arm))
+    topics.emplace(absolute_topic(input.topic), input.topic);
+  for (const auto& [in_bag, topic] : topics) {
+    const boost::function<void(const Event&)> callback = [this, name = in_bag](const Event& event) {
+      on_message(name, event);
     };
     subscribers_.push_back(nh_.subscribe<topic_tools::ShapeShifter, const Event&>(
         topic, kSubscriberQueue, callback, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
