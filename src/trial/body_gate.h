@@ -41,12 +41,15 @@ class BodyGate {
   explicit BodyGate(const Body& body, const GateLimits& limits = {}) : body_(body), limits_(limits) {}
 
   /// @param q orientation as reported; normalised on acceptance, removed where it is unusable and not needed
-  /// @param others_changed_s newest stamp at which another body's pose changed
+  /// @param others_changed_s newest stamp at which another body's pose is known to have changed
   Verdict check(double stamp_s, const Eigen::Vector3d& p, std::optional<Eigen::Quaterniond>& q,
                 std::optional<double> others_changed_s);
 
   /// Stamp at which the reported pose last changed.
   std::optional<double> changed_s() const { return changed_s_; }
+  /// Of the last two such stamps the earlier: one of them may be damaged. Absent before the second; a first
+  /// pose is no change.
+  std::optional<double> surely_changed_s() const;
   /// Stamp of the last sample that was accepted.
   std::optional<double> accepted_s() const { return good_ ? std::optional(good_->stamp_s) : std::nullopt; }
   /// True if the sample has exactly the pose that was reported last.
@@ -69,7 +72,7 @@ class BodyGate {
   Body body_;
   GateLimits limits_;
   std::optional<Pose> reported_;  // last pose with valid numbers, whatever became of it
-  std::optional<double> changed_s_;
+  std::optional<double> changed_s_, changed_before_s_;
   int identical_ = 0;
   int changes_ = 0;
   std::optional<Pose> good_;

@@ -199,20 +199,19 @@ std::optional<double> FrameAssembler::body_accepted_s(int body) const {
 }
 
 std::optional<double> FrameAssembler::changed_s() const {
-  return others_changed_s(streams_.size());
+  std::optional<double> newest;
+  for (const Stream& stream : streams_) {
+    const std::optional<double> changed = stream.gate.changed_s();
+    if (changed && (!newest || *changed > *newest)) newest = changed;
+  }
+  return newest;
 }
 
 std::optional<double> FrameAssembler::changed_beside(std::size_t slot) const {
-  const std::optional<double> others = others_changed_s(slot);
   // A mount rests: where there is but one ring, what drives it must say that it should move.
-  if (streams_.size() > 2 || !input_changed_s_) return others;
-  return std::max(others.value_or(*input_changed_s_), *input_changed_s_);
-}
-
-std::optional<double> FrameAssembler::others_changed_s(std::size_t slot) const {
-  std::optional<double> newest;
+  std::optional<double> newest = streams_.size() > 2 ? std::nullopt : input_changed_s_;
   for (std::size_t i = 0; i < streams_.size(); ++i) {
-    const std::optional<double> changed = streams_[i].gate.changed_s();
+    const std::optional<double> changed = streams_[i].gate.surely_changed_s();
     if (i != slot && changed && (!newest || *changed > *newest)) newest = changed;
   }
   return newest;

@@ -191,7 +191,6 @@ class FrameAssembler {
   Pending* nearest_open(double stamp_s);
   Pending* open_frame(double stamp_s);
   Past past_of(std::size_t slot, double stamp_s) const;
-  std::optional<double> others_changed_s(std::size_t slot) const;
   std::optional<double> changed_beside(std::size_t slot) const;
   void added();
   void close_ready();

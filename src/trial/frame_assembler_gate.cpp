@@ -73,10 +73,16 @@ bool BodyGate::repeats(const Eigen::Vector3d& p, const std::optional<Eigen::Quat
   return !q || reported_->q->coeffs() == q->coeffs();
 }
 
+std::optional<double> BodyGate::surely_changed_s() const {
+  if (!changed_before_s_) return {};
+  return std::min(*changed_s_, *changed_before_s_);
+}
+
 bool BodyGate::is_frozen(double stamp_s, const Eigen::Vector3d& p, const std::optional<Eigen::Quaterniond>& q,
                          std::optional<double> others_changed_s) {
   if (!repeats(p, q)) {
     if (reported_) ++changes_;
+    changed_before_s_ = changed_s_;
     changed_s_ = stamp_s;
     identical_ = 1;
     reported_ = Pose{stamp_s, p, q};

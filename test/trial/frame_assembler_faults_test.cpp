@@ -95,6 +95,20 @@ TEST(FrameAssemblerFrozen, ADamagedStampOfAnInputFreezesNoRingThatRests) {
   }
 }
 
+TEST(FrameAssemblerFrozen, ADamagedStampOfABodyFreezesNoOtherThatRests) {
+  trial::FrameAssembler assembler(three_ring_arm(), without_waiting());
+  Feeder feed(assembler);
+  for (int k = 0; k < 960; ++k) {
+    for (int body = -1; body < 3; ++body) {
+      const bool damaged = body == 1 && k == 60;  // of its last change, and less ahead than a gap in time
+      feed.body_at(body, feed.stamp(k) + (damaged ? 0.9 : 0.0), body < 0 ? 0 : std::min(k, 60));
+    }
+  }
+  for (const std::string ring : {"ring_1", "ring_2", "ring_3"})
+    EXPECT_EQ(count(assembler.rejected(), "frozen " + ring), 0u) << ring;
+  EXPECT_EQ(assembler.take().back().bodies.size(), 3u);
+}
+
 /// What is driven on while its tracker repeats itself is frozen, whatever the clock of the input.
 TEST(FrameAssemblerFrozen, ALoneRingWhoseInputGoesOnIsFrozen) {
   arm::Arm arm = three_ring_arm();
