@@ -36,7 +36,9 @@ std::vector<InputTopic> marker_list_topic(const arm::Arm& arm, const arm::BodySo
     std::vector<ReportedMarker> markers;
     for (const json& entry : *entries) markers.push_back(read(entry, reader));
     trial::Stamp stamp = reader.stamp(header_stamp(message).value_or(receipt), receipt);
-    if (source.stamp == arm::StampSource::kServer && !markers.empty()) {
+    if (source.stamp == arm::StampSource::kServer) {
+      // Only markers have the server's time. That of receipt is of another clock: two such were a new time.
+      if (markers.empty()) return assembler.count_rejected("no_points", "markers");
       stamp = markers.front().server_s.value_or(0.0);
     }
     sink(stamp, markers, assembler);

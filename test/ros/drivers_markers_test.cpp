@@ -349,24 +349,40 @@ struct Serializer<softarm::drivers::Leds> {
 namespace softarm::drivers {
 namespace {
 
-TEST(DriversPhasespace, MirroredAxesAndTheServersTime) {
-  TestBag bag;
-  for (int i = 0; i < 10; ++i) {
-    Leds message;  // a header that is never stamped
-    for (int k = 0; k < 2; ++k) {
-      const Eigen::Vector3f p = ring_at(k, i).cast<float>();
-      message.markers.push_back({static_cast<std::uint32_t>(7 + k), 0,
-                                 5000000u + 10000u * static_cast<std::uint64_t>(i), p.x(), p.z(), p.y(),
-                                 2.0f});
-    }
-    bag.write_as("phasespace_msgs/Markers", "0123456789abcdef0123456789abcdef", kLedsDefinition,
-                 "/phasespace/markers", kStart_s + kPeriod_s * i + kDelay_s * (i % 2), message);
-  }
-  const auto result = bag.read(arm_with(std::string(kFixedBase) + R"(bodies:
+const std::string kLedsArm = std::string(kFixedBase) + R"(bodies:
   - {name: ring_1, arclength_m: 0.1, labelled_markers: [{label: m7}]}
   - {name: ring_2, arclength_m: tip, labelled_markers: [{label: "8"}]}
 inputs: {bodies: {topic: /phasespace/markers, type: phasespace_msgs/Markers, axes: x z y, stamp: server}}
-)"));
+)";
+
+Leds leds_at(int i) {
+  Leds message;  // a header that is never stamped
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::Vector3f p = ring_at(k, i).cast<float>();
+    message.markers.push_back({static_cast<std::uint32_t>(7 + k), 0,
+                               5000000u + 10000u * static_cast<std::uint64_t>(i), p.x(), p.z(), p.y(), 2.0f});
+  }
+  return message;
+}
+
+void write_leds(TestBag& bag, int i, const Leds& message) {
+  bag.write_as("phasespace_msgs/Markers", "0123456789abcdef0123456789abcdef", kLedsDefinition,
+               "/phasespace/markers", kStart_s + kPeriod_s * i + kDelay_s * (i % 2), message);
+}
+
+TEST(DriversPhasespace, AMessageWithoutMarkersHasNoTimeOfTheServers) {
+  TestBag bag;
+  for (int i = 0; i < 10; ++i) write_leds(bag, i, i == 4 || i == 5 ? Leds() : leds_at(i));
+  const auto result = bag.read(arm_with(kLedsArm));
+  EXPECT_EQ(result.time_jumps, 0u);
+  EXPECT_THAT(result.frames, SizeIs(8));
+  EXPECT_THAT(result.rejected, Contains(Pair("no_points markers", 2u)));
+}
+
+TEST(DriversPhasespace, MirroredAxesAndTheServersTime) {
+  TestBag bag;
+  for (int i = 0; i < 10; ++i) write_leds(bag, i, leds_at(i));
+  const auto result = bag.read(arm_with(kLedsArm));
   ASSERT_THAT(result.frames, SizeIs(10));
   for (int i = 0; i < 10; ++i) {
     const trial::Frame& frame = result.frames[static_cast<std::size_t>(i)];
