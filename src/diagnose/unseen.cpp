@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "math/distributions.h"
@@ -156,19 +157,23 @@ std::vector<Fold> unseen_folds(const JointModel& model) {
   return folds;
 }
 
-std::vector<std::vector<bool>> predicted_without(const std::vector<std::size_t>& sequence,
-                                                 const std::vector<double>& session_s) {
-  const std::size_t trials = sequence.size();
-  // Sessions: runs of trials without a pause between them.
-  std::vector<std::size_t> order(trials), session(trials, 0);
+std::vector<std::size_t> sessions_of(const std::vector<double>& session_s) {
+  std::vector<std::size_t> order(session_s.size()), session(session_s.size(), 0);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return session_s[a] < session_s[b]; });
-  for (std::size_t i = 1; i < trials; ++i) {
+  for (std::size_t i = 1; i < order.size(); ++i) {
     const bool pause = session_s[order[i]] - session_s[order[i - 1]] > kPolicy.unseen.session_pause_s;
     session[order[i]] = session[order[i - 1]] + pause;
   }
-  const std::size_t sessions = trials > 0 ? session[order.back()] + 1 : 0;
+  return session;
+}
+
+std::vector<std::vector<bool>> predicted_without(const std::vector<std::size_t>& sequence,
+                                                 const std::vector<double>& session_s) {
+  const std::size_t trials = sequence.size();
+  const std::vector<std::size_t> session = sessions_of(session_s);
+  const std::size_t sessions = trials > 0 ? *std::max_element(session.begin(), session.end()) + 1 : 0;
   std::vector<std::vector<bool>> list(trials, std::vector<bool>(trials, false));
   for (std::size_t t = 0; t < trials; ++t) {
     for (std::size_t other = 0; other < trials; ++other)
@@ -183,28 +188,70 @@ std::vector<std::vector<bool>> predicted_without(const std::vector<std::size_t>&
   return list;
 }
 
-VectorXd between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held) {
-  const std::vector<Fold> folds = unseen_folds(model);
-  if (folds.size() < 3) return {};
-  const std::vector<Room> rooms = rooms_of(at);
-  VectorXd of_all;
-  const auto step = [&](Without rest, VectorXd& to) -> VectorXd {
-    hold(held, rest.information, rest.gradient);
-    least_within(rest.information, rest.gradient, 0.0, rooms, to);
-    return math::inverse_of_symmetric(rest.information).diagonal();
-  };
-  const VectorXd known = step({at.information, at.gradient}, of_all);
-  Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(known.size());
-  for (const Fold& fold : folds) {
-    VectorXd to;
-    const VectorXd less_known = step(without_some(at, fold.without), to);
-    const Eigen::ArrayXd kept = (known.array() / less_known.array()).max(0.0).min(1.0);
-    variance += kept * (to - of_all).array().square();
+namespace {
+
+/// Fits without one fold of trials after the other against the fit to all, to first order.
+class Jackknife {
+ public:
+  Jackknife(const Linearised& at, const std::vector<bool>& held)
+      : at_(at), held_(held), rooms_(rooms_of(at)) {
+    known_ = step({at.information, at.gradient}, of_all_);
   }
-  constexpr double kUpTo = 0.95;  // of a 90 % interval, as which sizes are told
-  const double wider =
-      math::students_t_quantile(static_cast<double>(folds.size() - 1), kUpTo) / math::normal_quantile(kUpTo);
-  return wider * wider * variance;
+  /// Variances of the unknowns, as Wu has them, as wide as Student's t's; nothing of fewer than three folds.
+  /// @param fold by trial
+  VectorXd over(const std::vector<std::size_t>& fold) const {
+    const std::set<std::size_t> folds(fold.begin(), fold.end());
+    if (folds.size() < 3) return {};
+    Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(known_.size());
+    for (const std::size_t one : folds) {
+      std::vector<bool> without;
+      for (const std::size_t of_trial : fold) without.push_back(of_trial == one);
+      VectorXd to;
+      const VectorXd less_known = step(without_some(at_, without), to);
+      const Eigen::ArrayXd kept = (known_.array() / less_known.array()).max(0.0).min(1.0);
+      variance += kept * (to - of_all_).array().square();
+    }
+    constexpr double kUpTo = 0.95;  // of a 90 % interval, as which sizes are told
+    const double wider = math::students_t_quantile(static_cast<double>(folds.size() - 1), kUpTo) /
+                         math::normal_quantile(kUpTo);
+    return wider * wider * variance;
+  }
+
+ private:
+  /// @param to gets where the unknowns go
+  /// @return their variances
+  VectorXd step(Without rest, VectorXd& to) const {
+    hold(held_, rest.information, rest.gradient);
+    least_within(rest.information, rest.gradient, 0.0, rooms_, to);
+    return math::inverse_of_symmetric(rest.information).diagonal();
+  }
+
+  const Linearised& at_;
+  const std::vector<bool>& held_;
+  const std::vector<Room> rooms_;
+  VectorXd of_all_, known_;
+};
+
+}  // namespace
+
+VectorXd between_folds(const Linearised& at, const std::vector<std::size_t>& sequence,
+                       const std::vector<std::size_t>& session, const std::vector<bool>& held) {
+  const std::size_t trials = sequence.size();
+  std::vector<std::size_t> commands = sequence, both(trials);
+  if (std::set<std::size_t>(sequence.begin(), sequence.end()).size() == 1)
+    std::iota(commands.begin(), commands.end(), std::size_t{0});
+  for (std::size_t t = 0; t < trials; ++t) both[t] = commands[t] * trials + session[t];
+  const Jackknife jackknife(at, held);
+  const VectorXd by_commands = jackknife.over(commands), by_session = jackknife.over(session);
+  if (by_session.size() == 0) return by_commands;
+  if (by_commands.size() == 0) return by_session;
+  return by_commands + by_session - by_commands.cwiseMin(by_session).cwiseMin(jackknife.over(both));
+}
+
+VectorXd between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held) {
+  std::vector<double> session_s;
+  for (const model::TrialData& trial : model.trials()) session_s.push_back(trial.session_s);
+  return between_folds(at, model.sequences(), sessions_of(session_s), held);
 }
 
 Unseen unseen(const JointModel& model, const Linearised& at) {

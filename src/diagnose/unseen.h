@@ -22,15 +22,22 @@ struct Unseen {
   std::size_t refits = 0;  ///< of refitted_unseen(): fits made anew
 };
 
-/// How far the fit's unknowns lie apart where one fold after the other is left out, as variances of what all
-/// trials together say, to first order: the jackknife for folds of which some know more than others (Wu 1986,
-/// doi:10.1214/aos/1176350142). Each deviation counts by the share of what is known of the unknown that the
-/// other folds hold: what acts in one trial alone is not contradicted by those in which it cannot be seen. Of
-/// a spread among few folds little is known: it is that of the normal distribution whose 90 % interval is as
-/// wide as Student's t's.
+/// How far the fit's unknowns lie apart where one input sequence, or one session, after the other is left
+/// out, as variances of what all trials together say, to first order: the jackknife for folds of which some
+/// know more than others (Wu 1986, doi:10.1214/aos/1176350142). Each deviation counts by the share of what is
+/// known of the unknown that the other folds hold: what acts in one trial alone is not contradicted by those
+/// in which it cannot be seen. Of a spread among few folds little is known: it is that of the normal
+/// distribution whose 90 % interval is as wide as Student's t's.
+/// A trial has a sequence and a session. What both partitions say is added, less what trials that share both
+/// say, which is in either (Cameron, Gelbach and Miller 2011, doi:10.1198/jbes.2010.07136); no less than each
+/// says alone, as the difference may chance to.
 /// @param held unknowns that stay as they are in all fits
-/// @return nothing where there are fewer than three folds
+/// @return nothing where there are neither three sequences nor three sessions. Of one sequence the trials
+/// count as sequences are
 Eigen::VectorXd between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held);
+/// @param sequence, session by trial
+Eigen::VectorXd between_folds(const Linearised& at, const std::vector<std::size_t>& sequence,
+                              const std::vector<std::size_t>& session, const std::vector<bool>& held);
 
 /// To first order about the fit to all.
 Unseen unseen(const JointModel& model, const Linearised& at);
@@ -48,6 +55,11 @@ struct Fold {
   std::vector<std::size_t> tried;  ///< trials
 };
 std::vector<Fold> unseen_folds(const JointModel& model);
+
+/// For each trial the number of its session, from 0 on: sessions are trials without a pause
+/// (Policy::Unseen::session_pause_s) between their beginnings.
+/// @param session_s by trial: when it began
+std::vector<std::size_t> sessions_of(const std::vector<double>& session_s);
 
 /// For each trial, which ones it is predicted without. Itself; those of its input sequence, where there is
 /// another one; those of its session, where there are so many (Policy::Unseen) that the others tell what the

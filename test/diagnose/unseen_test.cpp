@@ -149,6 +149,57 @@ TEST(BetweenFolds, OfTwoTrialsAreNone) {
             0);
 }
 
+/// A number that each trial measures by itself, alike well, and so far off their mean.
+Linearised measured(const std::vector<double>& off) {
+  Linearised at;
+  JointUnknown number;
+  number.kind = JointUnknown::Kind::kViscoelasticLag;
+  number.low = -100.0;
+  number.high = 100.0;
+  at.columns = {number};
+  for (std::size_t t = 0; t < off.size(); ++t) {
+    TimeStretch stretch;
+    stretch.trial = t;
+    stretch.information = Eigen::MatrixXd::Ones(1, 1);
+    stretch.gradient = VectorXd::Constant(1, off[t]);
+    at.stretches.push_back(stretch);
+  }
+  at.information = Eigen::MatrixXd::Constant(1, 1, static_cast<double>(off.size()));
+  at.gradient = VectorXd::Zero(1);
+  return at;
+}
+
+TEST(BetweenFolds, EachTrialCountsOnceInSequencesThatCrossSessions) {
+  const std::vector<std::size_t> sequence{0, 1, 2, 0, 1, 2, 0, 1, 2}, session{0, 0, 0, 1, 1, 1, 2, 2, 2};
+  const auto variance = [&](const std::vector<double>& off) {
+    return between_folds(measured(off), sequence, session, {false})[0];
+  };
+  // Student's t of two and of eight, at 90 %.
+  const double t2 = std::pow(2.920 / 1.645, 2), t8 = std::pow(1.860 / 1.645, 2);
+  const double of_mean = 1.0 / 3.0;  // of three that are 1 off, right and 1 off to the other side
+  EXPECT_NEAR(variance({-1, -1, -1, 0, 0, 0, 1, 1, 1}), t2 * of_mean, 1e-3) << "sessions differ";
+  EXPECT_NEAR(variance({-1, 0, 1, -1, 0, 1, -1, 0, 1}), t2 * of_mean, 1e-3) << "sequences differ";
+  // Both do: 12 squares of trials, of a mean of nine.
+  EXPECT_NEAR(variance({-2, -1, 0, -1, 0, 1, 0, 1, 2}), 2.0 * t2 * of_mean - t8 * 12.0 / (9.0 * 8.0), 2e-3);
+}
+
+TEST(BetweenFolds, SessionsOfTheirOwnSequencesAreTheSessionsAlone) {
+  const std::vector<double> off{-1, -1, 0, 0, 1, 1};
+  const Linearised at = measured(off);
+  const double t2 = std::pow(2.920 / 1.645, 2);
+  EXPECT_NEAR(between_folds(at, {0, 1, 2, 3, 4, 5}, {0, 0, 1, 1, 2, 2}, {false})[0], t2 / 3.0, 1e-3);
+  // Two sequences are too few to be compared, two sessions too.
+  EXPECT_NEAR(between_folds(at, {0, 1, 0, 1, 0, 1}, {0, 0, 1, 1, 2, 2}, {false})[0], t2 / 3.0, 1e-3);
+  EXPECT_EQ(between_folds(at, {0, 1, 0, 1, 0, 1}, {0, 0, 0, 1, 1, 1}, {false}).size(), 0);
+}
+
+TEST(BetweenFolds, TrialsOfOneSequenceAreComparedOneByOne) {
+  const std::vector<double> off{-1, 0, 1, 0};
+  const double t3 = std::pow(2.353 / 1.645, 2);
+  EXPECT_NEAR(between_folds(measured(off), {0, 0, 0, 0}, {0, 0, 0, 0}, {false})[0], t3 * 2.0 / (4.0 * 3.0),
+              1e-3);
+}
+
 /// Residuals of bodies, m, by a function of the instant; the noise is white, so less in longer means.
 template <typename Of>
 std::vector<VectorXd> residuals(const testing::Looked& looked, const Of& of) {
