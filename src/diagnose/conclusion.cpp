@@ -196,24 +196,27 @@ std::string motion_of(const JointModel& model, double lag_s) {
 
 /// Which trials are predicted without each other, where that is more than each without itself.
 std::string unseen_of(const JointModel& model) {
-  std::size_t most = 0, least = model.trials().size();
+  const std::size_t trials = model.trials().size();
+  std::size_t most = 0, least = trials;
   for (const std::vector<bool>& without : model.predicted_without()) {
     const auto count = static_cast<std::size_t>(std::count(without.begin(), without.end(), true));
     most = std::max(most, count);
     least = std::min(least, count);
   }
-  if (most <= 1 && model.trials().size() > 1) {
-    const std::vector<std::size_t>& sequence = model.sequences();
-    if (std::all_of(sequence.begin(), sequence.end(), [](std::size_t s) { return s == 0; }))
-      return "All trials were driven by the same commands: an unseen trial has another payload or attitude, "
-             "and says nothing about other commands.";
-    return "";
-  }
-  if (most <= 1) return "";
-  return fmt::format(
-      "Each unseen trial is predicted from {} to {} of the {} trials: those driven by the same commands or "
-      "of the same session are left out.",
-      model.trials().size() - most, model.trials().size() - least, model.trials().size());
+  std::string text;
+  const std::vector<std::size_t>& sequence = model.sequences();
+  const bool one_sequence =
+      trials > 1 && std::all_of(sequence.begin(), sequence.end(), [](std::size_t s) { return s == 0; });
+  if (one_sequence)
+    text =
+        "All trials were driven by the same commands: an unseen trial has another payload or attitude, "
+        "and says nothing about other commands.";
+  if (most <= 1) return text;
+  return text + (text.empty() ? "" : " ") +
+         fmt::format(
+             "Each unseen trial is predicted from {} to {} of the {} trials: those {}of the same "
+             "session are left out.",
+             trials - most, trials - least, trials, one_sequence ? "" : "driven by the same commands or ");
 }
 
 std::vector<std::string> notes_of(const Compared& all, const model::Prepared& prepared,

@@ -157,6 +157,18 @@ std::vector<Fold> unseen_folds(const JointModel& model) {
   return folds;
 }
 
+namespace {
+
+/// By trial its sequence; where all are of one, itself: what is unseen then is another payload or attitude.
+std::vector<std::size_t> commands_of(const std::vector<std::size_t>& sequence) {
+  std::vector<std::size_t> commands = sequence;
+  if (std::set<std::size_t>(sequence.begin(), sequence.end()).size() == 1)
+    std::iota(commands.begin(), commands.end(), std::size_t{0});
+  return commands;
+}
+
+}  // namespace
+
 std::vector<std::size_t> sessions_of(const std::vector<double>& session_s) {
   std::vector<std::size_t> order(session_s.size()), session(session_s.size(), 0);
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -172,14 +184,14 @@ std::vector<std::size_t> sessions_of(const std::vector<double>& session_s) {
 std::vector<std::vector<bool>> predicted_without(const std::vector<std::size_t>& sequence,
                                                  const std::vector<double>& session_s) {
   const std::size_t trials = sequence.size();
-  const std::vector<std::size_t> session = sessions_of(session_s);
+  const std::vector<std::size_t> commands = commands_of(sequence), session = sessions_of(session_s);
   const std::size_t sessions = trials > 0 ? *std::max_element(session.begin(), session.end()) + 1 : 0;
   std::vector<std::vector<bool>> list(trials, std::vector<bool>(trials, false));
   for (std::size_t t = 0; t < trials; ++t) {
     for (std::size_t other = 0; other < trials; ++other)
-      list[t][other] = sequence[other] == sequence[t] ||
+      list[t][other] = commands[other] == commands[t] ||
                        (sessions >= kPolicy.unseen.fewest_sessions && session[other] == session[t]);
-    // All by the same commands: what is unseen then is another payload or attitude.
+    // Every other trial has its commands or its session.
     if (std::all_of(list[t].begin(), list[t].end(), [](bool out) { return out; })) {
       list[t].assign(trials, false);
       list[t][t] = true;
@@ -237,9 +249,8 @@ class Jackknife {
 VectorXd between_folds(const Linearised& at, const std::vector<std::size_t>& sequence,
                        const std::vector<std::size_t>& session, const std::vector<bool>& held) {
   const std::size_t trials = sequence.size();
-  std::vector<std::size_t> commands = sequence, both(trials);
-  if (std::set<std::size_t>(sequence.begin(), sequence.end()).size() == 1)
-    std::iota(commands.begin(), commands.end(), std::size_t{0});
+  const std::vector<std::size_t> commands = commands_of(sequence);
+  std::vector<std::size_t> both(trials);
   for (std::size_t t = 0; t < trials; ++t) both[t] = commands[t] * trials + session[t];
   const Jackknife jackknife(at, held);
   const VectorXd by_commands = jackknife.over(commands), by_session = jackknife.over(session);

@@ -40,6 +40,15 @@ TEST(Unseen, WhereAllCommandsAreTheSameItIsPredictedByTheOtherTrials) {
             (std::vector<Flags>{{true, false, false}, {false, true, false}, {false, false, true}}));
 }
 
+TEST(Unseen, OfThreeSessionsWithTheSameCommandsEachIsPredictedByTheOthers) {
+  const double hour = 3600.0;
+  EXPECT_EQ(predicted_without({0, 0, 0, 0}, {0.0, 60.0, 2 * hour, 4 * hour}),
+            (std::vector<Flags>{{true, true, false, false},
+                                {true, true, false, false},
+                                {false, false, true, false},
+                                {false, false, false, true}}));
+}
+
 TEST(Unseen, OfThreeSessionsEachIsPredictedByTheOthers) {
   const double hour = 3600.0;
   const std::vector<Flags> without =
