@@ -32,9 +32,10 @@ def size_of(value):
     scale, unit = {"m": (1e3, "mm"), "rad": (57.29578, "deg"), "Pa": (1e-3, "kPa"), "kg": (1e3, "g")}.get(
         value["unit"], (1.0, value["unit"]))
     text = f"{scale * value['value']:.3g}"
-    if value["high"] > value["low"]:
+    fitted = value.get("fitted", True)
+    if fitted and value["high"] > value["low"]:
         text += f" [{scale * value['low']:.3g}, {scale * value['high']:.3g}]"
-    return f"{text} {'' if unit == '1' else unit}".strip()
+    return f"{text} {'' if unit == '1' else unit}".strip() + ("" if fitted else " (not fitted)")
 
 
 def place_of(where):

@@ -167,12 +167,13 @@ std::string section_of(const std::vector<EffectEntry>& effects, const std::optio
       verdict ? fmt::format("effects_verdict: {}  # of the diagnosis that found them\n", *verdict) : "";
   text += "effects:  # beside the laws; what they are: softarm diagnose --effects\n";
   for (const EffectEntry& effect : effects) {
-    std::string values, sds;
+    std::string values, sds, held;
     for (const EffectNumber& n : effect.numbers) {
       values += (values.empty() ? "" : ", ") + n.name + ": " + number(n.value);
       if (n.sd) sds += (sds.empty() ? "" : ", ") + n.name + ": " + number(*n.sd);
+      if (!n.fitted) held += (held.empty() ? "  # not fitted: " : ", ") + n.name;
     }
-    text += fmt::format("  - id: {}\n    parameters: {{{}}}\n", effect.id, values);
+    text += fmt::format("  - id: {}\n    parameters: {{{}}}{}\n", effect.id, values, held);
     if (!sds.empty()) text += fmt::format("    sd: {{{}}}\n", sds);
   }
   return text + correlations_of(effects);

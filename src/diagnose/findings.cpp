@@ -30,6 +30,7 @@ std::vector<EffectValue> values_of(const arm::Arm& arm, const Linearised& at, st
     value.symbol = parameter.symbol;
     value.unit = parameter.unit;
     value.description = parameter.description;
+    value.fitted = !parameter.held;
     value.value = value.low = value.high = present.values[static_cast<Eigen::Index>(k)];
     for (std::size_t j = 0; j < at.columns.size(); ++j) {
       const JointUnknown& c = at.columns[j];

@@ -186,6 +186,7 @@ std::string percent(double probability) {
 }
 
 std::string with_interval(const EffectValue& value) {
+  if (!value.fitted) return with_unit(value.value, value.unit) + " (not fitted)";
   const ShownUnit shown = shown_unit(value.unit);
   const double v = shown.scale * value.value, low = shown.scale * value.low, high = shown.scale * value.high;
   const bool counts = shown.shown.empty() && v == std::round(v) && !(high > low);

@@ -29,7 +29,8 @@ std::string millimetres(double metres);
 /// "97 %"; never rounded to certainty: "over 99 %", "under 1 %".
 std::string percent(double probability);
 
-/// "5.2 N m/rad (90 % interval 4.6 ... 5.9)": as many digits as the interval is worth.
+/// "5.2 N m/rad (90 % interval 4.6 ... 5.9)": as many digits as the interval is worth. "80.0 mm (not fitted)"
+/// of a number that was held.
 std::string with_interval(const EffectValue& value);
 
 /// What it is: its description, which may go on from its symbol: "share of EI, by which it grows", "time

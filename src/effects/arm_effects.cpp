@@ -151,6 +151,7 @@ arm::EffectEntry entry_of(const model::Present& present, const std::optional<mod
     arm::EffectNumber number{parameters[k].symbol, present.values[i], std::nullopt};
     const model::Values& stated = sd ? *sd : present.sd;
     if (stated.size() > 0 && stated[i] > 0.0) number.sd = stated[i];
+    number.fitted = !parameters[k].held;
     entry.numbers.push_back(std::move(number));
   }
   return entry;

@@ -28,7 +28,13 @@ Json json_of(const diagnose::Fit& fit) {
 }
 
 Json json_of(const diagnose::EffectValue& value) {
-  Json json{{"value", value.value}, {"low", value.low}, {"high", value.high}, {"unit", value.unit}};
+  Json json{{"value", value.value}, {"unit", value.unit}};
+  if (value.fitted) {
+    json["low"] = value.low;
+    json["high"] = value.high;
+  } else {
+    json["fitted"] = false;
+  }
   if (!value.description.empty()) json["description"] = value.description;
   return json;
 }

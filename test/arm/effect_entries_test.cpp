@@ -59,6 +59,21 @@ TEST(EffectEntries, WhatIsWrittenIsRead) {
   EXPECT_FALSE(read[1].numbers[3].sd);
 }
 
+TEST(EffectEntries, ACommentSaysWhatWasNotFitted) {
+  const arm::Arm arm = arm::parse_arm(shipped(), "arm.yaml");
+  std::vector<arm::EffectEntry> effects{{"contact", {{"place_m", 0.1, 0.01}, {"extent_m", 0.08}}}};
+  effects[0].numbers[1].fitted = false;
+  const std::string written = arm::update_arm_text(shipped(), "arm.yaml", arm, effects, {}, "diagnose");
+  EXPECT_NE(written.find("    parameters: {place_m: 0.1, extent_m: 0.08}  # not fitted: extent_m\n"
+                         "    sd: {place_m: 0.01}\n"),
+            std::string::npos)
+      << written.substr(written.rfind("effects:"));
+  // Who reads and writes it again leaves the comment.
+  EXPECT_EQ(arm::update_arm_text(written, "arm.yaml", arm, arm::parse_effect_entries(written, "arm.yaml"), {},
+                                 "diagnose"),
+            written);
+}
+
 TEST(EffectEntries, RoundTripIsIdentical) {
   const arm::Arm arm = arm::parse_arm(shipped(), "arm.yaml");
   const std::string once =

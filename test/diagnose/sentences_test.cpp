@@ -36,6 +36,17 @@ TEST(Words, NumbersHaveTheDigitsThatTheirIntervalIsWorth) {
   EXPECT_EQ(text(4.2e-9, 4e-9, 4.4e-9, "N m/Pa"), "4.20e-09 N m/Pa (90 % interval 4.00e-09 to 4.40e-09)");
 }
 
+TEST(Words, ANumberThatWasHeldIsSaidNotToBeFitted) {
+  EXPECT_EQ(diagnose::with_interval({"extent_m", "m", "", 0.08, 0.08, 0.08, false}),
+            with_unit(0.08, "m") + " (not fitted)");
+  NamedEffect contact;
+  contact.id = "contact";
+  contact.parameters = {{"extent_m", "m", "half of the stretch", 0.08, 0.08, 0.08, false}};
+  EXPECT_NE(sentence_of(contact).find("half of the stretch: " + with_unit(0.08, "m") + " (not fitted);"),
+            std::string::npos)
+      << sentence_of(contact);
+}
+
 TEST(Words, ProbabilitiesAreNeverCertain) {
   EXPECT_EQ(diagnose::percent(0.999), "over 99 %");
   EXPECT_EQ(diagnose::percent(0.0004), "under 1 %");

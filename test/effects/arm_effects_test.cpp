@@ -86,6 +86,13 @@ TEST(ArmEffects, AContactOfAnOldFileTouchesAtOnePlace) {
   }
 }
 
+TEST(ArmEffects, AnEntrySaysWhichOfItsNumbersAreNotFitted) {
+  const arm::Arm arm = shipped_arm("online_200mm");
+  const model::Present contact = effects::effects_of(arm, {{"contact", {{"extent_m", 0.08}}}}).at(0);
+  for (const arm::EffectNumber& number : effects::entry_of(contact).numbers)
+    EXPECT_EQ(number.fitted, number.name != "extent_m") << number.name;
+}
+
 TEST(ArmEffects, StandardDeviationsComeAlongAndBack) {
   const arm::Arm arm = shipped_arm("online_200mm");
   const arm::EffectEntry entry{"creep", {{"share", 0.2, 0.03}, {"time_s", 5.0}}};

@@ -196,6 +196,14 @@ TEST(ToJson, NumbersThatAreNoneAreLeftOut) {
   EXPECT_THAT(text, ::testing::Not(::testing::HasSubstr("null")));
 }
 
+TEST(ToJson, ANumberThatWasHeldHasNoInterval) {
+  diagnose::Diagnosis d = testing::example_diagnosis();
+  d.effects.front().parameters.push_back({"extent_m", "m", "", 0.08, 0.08, 0.08, false});
+  const json parameters = json::parse(report::to_json(d))["effects"][0]["parameters"];
+  EXPECT_EQ(parameters["extent_m"], (json{{"value", 0.08}, {"unit", "m"}, {"fitted", false}}));
+  EXPECT_FALSE(parameters["K_base"].contains("fitted"));
+}
+
 TEST(ToJson, TakesNamesAsTheyAre) {
   diagnose::Diagnosis d = testing::example_diagnosis();
   d.trials[0].name = "a \"quoted\" \\ name\n";

@@ -80,6 +80,7 @@ struct EffectNumber {
   std::optional<double> sd = std::nullopt;  ///< standard deviation, where a diagnosis stated one
   /// With other numbers that have an sd. Each pair stands at one of the two; what stands nowhere is 0.
   std::vector<EffectCorrelation> correlations = {};
+  bool fitted = true;  ///< else a comment says that the fit behind its effect held it; not read from a file
 };
 
 struct EffectEntry {

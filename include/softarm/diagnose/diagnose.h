@@ -33,6 +33,7 @@ SOFTARM_EXPORT std::string to_string(Verdict verdict);
 struct EffectValue {
   std::string symbol, unit, description;
   double value = 0.0, low = 0.0, high = 0.0;
+  bool fitted = true;  ///< else it was held in the fit, and has no interval
 };
 
 /// Where something is; what is not known is absent or empty.

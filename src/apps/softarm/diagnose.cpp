@@ -65,7 +65,10 @@ void list_effects() {
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
       const model::Parameter& p = info.parameters[k];
       say("  {:<26} {:<10} [{:g}, {:g}], usually {:g}{}: {}\n", p.symbol, p.unit, p.low, p.high, p.usual,
-          k < static_cast<std::size_t>(info.sizes) ? " (0: absent)" : "", p.description);
+          k < static_cast<std::size_t>(info.sizes) ? " (0: absent)"
+          : p.held                                 ? " (not fitted)"
+                                                   : "",
+          p.description);
     }
     say("  easily mistaken for {}\n", fmt::join(info.rivals, ", "));
     if (!info.absorbed_by.empty()) say("  absorbed by the constants {}\n", fmt::join(info.absorbed_by, ", "));
