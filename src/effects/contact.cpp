@@ -74,18 +74,20 @@ class Contact : public Described {
   }
   bool holds_places() const override { return true; }
   std::vector<double> held_places_m(const FineRod& fine, const Values& values) const override {
-    if (!is_spread(values)) return {values[1]};
     const auto [from_m, to_m] = stretch_m(values, fine.length_m());
+    if (!is_spread(values)) return {from_m};
     std::vector<double> places_m;
     for (const StretchPoint& point : kStretchPoints)
       places_m.push_back(0.5 * (from_m + to_m) + point.at * (to_m - from_m));
     return places_m;
   }
-  Vector3d holding_force_n(const FineRod&, const Values& values, std::size_t which, const Vector3d& place_m,
-                           const Memory& memory) const override {
+  Vector3d holding_force_n(const FineRod& fine, const Values& values, std::size_t which,
+                           const Vector3d& place_m, const Memory& memory) const override {
     const Touch touch(values, place_m);
     if (touch.depth_m <= 0.0) return Vector3d::Zero();
-    const double stiffness = is_spread(values) ? kStretchPoints[which].share * values[0] : values[0];
+    const double stiffness =
+        values[0] *
+        (is_spread(values) ? kStretchPoints[which].share * share_there(values, fine.length_m()) : 1.0);
     Vector3d force = -stiffness * touch.depth_m * touch.to_wall;
     if (const auto from_m = anchor(values, memory, which))
       force -= stiffness * touch.held(values[4], *from_m);
@@ -116,19 +118,23 @@ class Contact : public Described {
   /// In the memory, of a place that does not touch while others do.
   static constexpr double kOff = std::numeric_limits<double>::quiet_NaN();
   static bool is_spread(const Values& values) { return values[6] > 0.0; }
-  /// What may touch. A stretch ends where the arm does, and bears the whole stiffness on what is left: so the
-  /// shorter it is, the more it is as one place, also at the tip.
+  /// What may touch: a stretch ends where the arm does. One place is one of the arm: beyond its length, which
+  /// may have been fitted since, the tip.
   static std::pair<double, double> stretch_m(const Values& values, double length_m) {
-    if (!is_spread(values)) return {values[1], values[1]};
     return {std::clamp(values[1] - values[6], 0.0, length_m),
             std::clamp(values[1] + values[6], 0.0, length_m)};
+  }
+  /// Of a stretch the share of its length, and so of its stiffness, that the arm comes to.
+  static double share_there(const Values& values, double length_m) {
+    const auto [from_m, to_m] = stretch_m(values, length_m);
+    return (to_m - from_m) / (2.0 * values[6]);
   }
   /// Along a stretch what touches at one place, and at one place what touches along a stretch.
   static Values touching_otherwise(const Values& values, double length_m) {
     Values otherwise = values;
     if (is_spread(values)) {
       const auto [from_m, to_m] = stretch_m(values, length_m);
-      otherwise[0] /= kStretchStiffer;
+      otherwise[0] *= share_there(values, length_m) / kStretchStiffer;
       otherwise[1] = from_m + kStretchPlace * (to_m - from_m);
       otherwise[6] = 0.0;
     } else {
@@ -176,8 +182,8 @@ std::unique_ptr<Effect> make_contact() {
       "contact",
       "the arm touches something beside it",
       "F = k max(0, n . x(s_c) - d), against n, at the place s_c, or spread evenly over s_c - extent ... "
-      "s_c + extent; of a round post k max(0, R - distance from its axis); along either k times the way from "
-      "where it holds, friction F at most",
+      "s_c + extent, as far as the arm goes; of a round post k max(0, R - distance from its axis); along "
+      "either k times the way from where it holds, friction F at most",
       "K. L. Johnson, Contact Mechanics, 1985, doi:10.1017/CBO9781139171731",
       Family::kLoad,
       {{"stiffness_n_per_m", "N/m", "of what it touches", 0.0, 2000.0, 50.0},

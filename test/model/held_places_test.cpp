@@ -202,20 +202,49 @@ TEST(HeldPlaces, AStretchHasFivePlacesAsFarAsTheArmGoes) {
   for (const double middle_m : {0.02, 0.1, 0.16}) {
     const Present spread = wall(80.0, middle_m, 0.0, 0.06);
     const double from_m = std::max(0.0, middle_m - 0.06), to_m = std::min(0.2, middle_m + 0.06);
+    const double share = (to_m - from_m) / 0.12;  // of the wall that is beside the arm
     const std::vector<double> places_m = spread.effect->held_places_m(fine, spread.values);
     ASSERT_EQ(places_m.size(), 5u);
     for (std::size_t i = 0; i < 5; ++i) {
       const auto k = static_cast<Eigen::Index>(i);
       EXPECT_NEAR(places_m[i], 0.5 * (from_m + to_m) + points.at[k] * (to_m - from_m), 1e-12);
       const Eigen::Vector3d force_n = spread.effect->holding_force_n(fine, spread.values, i, at, {});
-      EXPECT_LT((force_n + points.weight[k] * 80.0 * 0.004 * towards_wall()).norm(), 1e-12);
+      EXPECT_LT((force_n + points.weight[k] * share * 80.0 * 0.004 * towards_wall()).norm(), 1e-12);
     }
   }
 }
 
-/// Also at the tip, beyond which a stretch does not go.
+TEST(HeldPlaces, OfAWallThatGoesOnBeyondTheTipTheArmTouchesThePartBesideIt) {
+  const FineRod fine(effects::testing::shipped_arm("online_200mm"));
+  // A quarter of it is there: as a wall of that length with a quarter of the stiffness.
+  const Present beyond = wall(80.0, 0.23, 0.3, 0.06), there = wall(20.0, 0.185, 0.3, 0.015);
+  const std::vector<double> places_m = beyond.effect->held_places_m(fine, beyond.values);
+  const std::vector<double> same_m = there.effect->held_places_m(fine, there.values);
+  ASSERT_EQ(places_m.size(), same_m.size());
+  const Eigen::Vector3d at = (kDistance_m + 0.004) * towards_wall() + Eigen::Vector3d(0.0, 0.0, 0.19);
+  Eigen::Vector3d sum_n = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < places_m.size(); ++i) {
+    EXPECT_NEAR(places_m[i], same_m[i], 1e-12);
+    const Eigen::Vector3d force_n = beyond.effect->holding_force_n(fine, beyond.values, i, at, {});
+    EXPECT_LT((force_n - there.effect->holding_force_n(fine, there.values, i, at, {})).norm(), 1e-12);
+    sum_n += force_n;
+  }
+  EXPECT_LT((sum_n + 0.25 * 80.0 * 0.004 * towards_wall()).norm(), 1e-12);
+  // Nothing of one that begins beyond it.
+  const Present past = wall(80.0, 0.3, 0.3, 0.06);
+  for (std::size_t i = 0; i < 5; ++i)
+    EXPECT_TRUE(past.effect->holding_force_n(fine, past.values, i, at, {}).isZero());
+  // One place is one of the arm.
+  const Present one = wall(80.0, 0.21);
+  EXPECT_EQ(one.effect->held_places_m(fine, one.values), std::vector<double>{fine.length_m()});
+  EXPECT_LT((one.effect->holding_force_n(fine, one.values, 0, at, {}) + 80.0 * 0.004 * towards_wall()).norm(),
+            1e-12);
+}
+
+/// At the tip half of it is beyond the arm.
 TEST(HeldPlaces, AShortStretchHoldsTheArmAsOnePlaceDoes) {
   for (const double place_m : {0.1, 0.2}) {
+    const double whole = place_m < 0.2 ? 200.0 : 400.0;
     Arm at_one, spread;
     int touched = 0;
     for (const Eigen::Vector3d& pressures :
@@ -225,7 +254,7 @@ TEST(HeldPlaces, AShortStretchHoldsTheArmAsOnePlaceDoes) {
       const bool begun = !pressures.isZero();
       const Eigen::Vector3d weightless = Eigen::Vector3d::Zero();
       ASSERT_TRUE(at_one.settle(wall(200.0, place_m, 0.3), pressures, weightless, begun));
-      ASSERT_TRUE(spread.settle(wall(200.0, place_m, 0.3, 1e-6), pressures, weightless, begun));
+      ASSERT_TRUE(spread.settle(wall(whole, place_m, 0.3, 1e-6), pressures, weightless, begun));
       EXPECT_LT((at_one.tip_m() - spread.tip_m()).norm(), kSame_m);
       touched += at_one.borne_n().norm() > 0.1;
     }

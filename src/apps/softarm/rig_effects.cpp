@@ -362,7 +362,7 @@ Choices contact(const Numbers& v) {
                  {{"stiffness_n_per_m", v("stiffness_n_per_m")},
                   {"distance_m", v("distance_m")},
                   {"azimuth_deg", std::remainder(kDegPerRad * v("azimuth_rad"), 360.0)},
-                  {"fraction", v("place_m") / v.arm().total_length_m()}})};
+                  {"fraction", std::min(1.0, v("place_m") / v.arm().total_length_m())}})};
 }
 
 Choices tether(const Numbers& v) {
