@@ -84,7 +84,7 @@ bool is_shared(const Leftover& left, double length_m) {
 
 /// What no effect of the model explains of unseen trials.
 struct Left {
-  Ceiling could;  ///< a flexible model learn
+  double learnt = 0.0;  ///< by a flexible model: share of the mean square
   Leftover shared;
   bool as_noise = false;  ///< what no flexible model learns may still be more than noise: trials may be few
   bool adequate = false;  ///< nothing of a size that matters
@@ -93,17 +93,17 @@ struct Left {
 Left left_in(const JointModel& model, const Linearised& at, const Unseen& unseen, const Floor& floor,
              unsigned jobs) {
   Left left;
-  left.could = ceiling(model, at, unseen.residual, jobs);
+  left.learnt = ceiling(model, at, unseen.residual, jobs);
   left.shared = leftover(model, at, unseen);
   left.as_noise = unseen.total_chi2 < kPolicy.verdict.as_noise_chi2 * std::max(1, at.rows);
   const double length_m = model.arm().total_length_m();
   const double flexible_m =
-      std::sqrt(std::max(0.0, std::pow(unseen.total_rms_m, 2) * left.could.share - floor.motion_m2));
+      std::sqrt(std::max(0.0, std::pow(unseen.total_rms_m, 2) * left.learnt - floor.motion_m2));
   left.adequate =
       left.as_noise && !is_shared(left.shared, length_m) &&
       !(left.shared.lone_z > kPolicy.verdict.shared_z &&
         left.shared.lone_m > kPolicy.verdict.lone * std::sqrt(floor.white_m2)) &&
-      (flexible_m < kPolicy.verdict.flexible * length_m || left.could.share < kPolicy.verdict.flexible_share);
+      (flexible_m < kPolicy.verdict.flexible * length_m || left.learnt < kPolicy.verdict.flexible_share);
   return left;
 }
 
@@ -117,7 +117,7 @@ Remains compare(const JointModel& model, const Selection& selection, unsigned jo
   d.noise_floor_m = std::sqrt(floor.white_m2);
   d.baseline = fit_of(before, selection.baseline.rows);
   d.extended = fit_of(after, selection.extended.rows);
-  d.discrepancy_share = in_after.could.share;
+  d.discrepancy_share = in_after.learnt;
 
   Remains left{in_before.shared, in_after.shared, in_after.adequate, false};
   double small2 = 0.0;  // by small departures that cannot be told apart
@@ -128,8 +128,7 @@ Remains compare(const JointModel& model, const Selection& selection, unsigned jo
   }
   const double base2 = std::pow(before.total_rms_m, 2), ext2 = std::pow(after.total_rms_m, 2);
   const double floor2 = floor.white_m2;
-  const double learnt2 =
-      std::min({base2 * (1.0 - in_before.could.share), ext2 * (1.0 - in_after.could.share), ext2});
+  const double learnt2 = std::min({base2 * (1.0 - in_before.learnt), ext2 * (1.0 - in_after.learnt), ext2});
   d.ceiling_rms_m = std::sqrt(std::max(std::min(base2, floor2), learnt2));
   const double reach2 =
       std::min(ext2, small2 + (in_after.as_noise ? std::pow(d.ceiling_rms_m, 2) : std::min(base2, floor2)));

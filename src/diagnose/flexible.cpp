@@ -334,19 +334,14 @@ Features features(const JointModel& model, const Linearised& at) {
   return out;
 }
 
-Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual,
-                unsigned jobs) {
-  Ceiling result;
+double ceiling(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual,
+               unsigned jobs) {
   const Instants instants = instants_of(model, at, residual);
-  if (instants.x.rows() < kPolicy.flexible.fewest_instants || model.trials().size() < 2) return result;
-  const double bodies = instants.weight.sum() * static_cast<double>(model.arm().bodies.size());
-  const double before = instants.weight.dot(instants.y.rowwise().squaredNorm()) / bodies;
+  if (instants.x.rows() < kPolicy.flexible.fewest_instants || model.trials().size() < 2) return 0.0;
+  const double before = instants.weight.dot(instants.y.rowwise().squaredNorm());
   const auto folds = folds_of(instants, model.sequences());
-  const double left = left_by_regression(Regression(instants, jobs), folds, jobs) / bodies;
-  result.before_rms_m = std::sqrt(before);
-  result.after_rms_m = std::sqrt(std::min(before, left));
-  result.share = before > 0.0 ? std::max(0.0, 1.0 - left / before) : 0.0;
-  return result;
+  const double left = left_by_regression(Regression(instants, jobs), folds, jobs);
+  return before > 0.0 ? std::max(0.0, 1.0 - left / before) : 0.0;
 }
 
 }  // namespace softarm::diagnose

@@ -8,19 +8,14 @@
 
 namespace softarm::diagnose {
 
-struct Ceiling {
-  double before_rms_m = 0.0;  ///< of the residuals it was given, of the blocks that it looked at
-  double after_rms_m = 0.0;   ///< with what it learnt from other trials taken off; never more than before
-  double share = 0.0;         ///< of the mean square that is gone
-};
-
 /// A Gaussian process from what drives the arm (inputs, their speeds, past and plays, payload, attitude,
 /// time) to the residuals of all bodies, learnt on some input sequences and tried on the others, by turns.
 /// Which of these it goes by, its reach and its noise are those that do best among the trials that it learns
 /// from.
 /// @param residual by trial, m, as Unseen::residual
-Ceiling ceiling(const JointModel& model, const Linearised& at, const std::vector<Eigen::VectorXd>& residual,
-                unsigned jobs);
+/// @return the share of their mean square that is gone once what it learnt from other trials is taken off
+double ceiling(const JointModel& model, const Linearised& at, const std::vector<Eigen::VectorXd>& residual,
+               unsigned jobs);
 
 /// What the process knows of each block: one row per used block; names of the columns.
 struct Features {

@@ -165,7 +165,7 @@ class JointModel {
   };
   /// The constants and effects at which all trials are met best, from `parameters`: a problem of Ceres with
   /// Huber's loss on each body, the columns' priors and bounds. Effects' parameters are free unless they
-  /// count. Linearised::converged says whether it came to an end.
+  /// count or are held. Linearised::converged says whether it came to an end.
   Linearised fit(JointParameters parameters, const FitOptions& options,
                  const std::vector<std::vector<model::Predicted>>* start = nullptr);
 

@@ -269,10 +269,10 @@ TEST(Ceiling, LearnsLoopsWideAndNarrowAndNothingOfNoise) {
       held = k == 0 ? now : std::clamp(held, now - 0.5 * width, now + 0.5 * width);
       return 1e-3 * (now - held) / width;
     };
-    EXPECT_GT(ceiling(looked.model, looked.baseline, residuals(looked, loop), 0).share, 0.6) << width;
+    EXPECT_GT(ceiling(looked.model, looked.baseline, residuals(looked, loop), 0), 0.6) << width;
   }
   const auto nothing = [](std::size_t, std::size_t) { return 0.0; };
-  EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, nothing), 0).share, 0.01);
+  EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, nothing), 0), 0.01);
 }
 
 /// For trees: inputs, what follows them, and plays of them, of each instant.
@@ -356,7 +356,7 @@ TEST(Ceiling, IsNoWorseThanTreesOverPlaysAndWhatFollows) {
   for (const auto& of : made) {
     const std::vector<VectorXd> residual = residuals(looked, of);
     const double trees = share_of_trees(looked, residual);
-    const double share = ceiling(looked.model, looked.baseline, residual, 0).share;
+    const double share = ceiling(looked.model, looked.baseline, residual, 0);
     // They know widths and times near these, and a sharp edge suits nothing better.
     EXPECT_GT(share, trees - (&of - made == 2 ? 0.1 : 0.05)) << &of - made;
     EXPECT_GT(std::max(share, trees), 0.2) << &of - made << ": neither learns anything: compares nothing";
@@ -368,7 +368,7 @@ TEST(Ceiling, DoesNotLearnWhatIsAnewInEveryTrial) {
   const testing::Looked looked(drawn.arm, drawn.trials);
   const double of_trial[] = {1e-3, -1e-3, 0.6e-3, -1.2e-3, 0.4e-3, -0.8e-3};
   const auto anew = [&](std::size_t t, std::size_t) { return of_trial[t]; };
-  EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, anew), 0).share, 0.3);
+  EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, anew), 0), 0.3);
 }
 
 TEST(Ceiling, TriesNoCommandsThatItLearntFrom) {
@@ -385,7 +385,7 @@ TEST(Ceiling, TriesNoCommandsThatItLearntFrom) {
     const double phase = 0.3 * static_cast<double>(k) + 2.0 * static_cast<double>(t % 3);
     return 1e-3 * (t % 3 == 1 ? -1.0 : 1.0) * std::cos(phase);
   };
-  EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, of_sequence), 0).share, 0.3);
+  EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, of_sequence), 0), 0.3);
 }
 
 /// Every effect at a small size of its own, beside noise.

@@ -124,10 +124,10 @@ Decision flexible(const JointModel& model, const Look& first, unsigned jobs) {
   Decision decision;
   decision.method = "gp";
   const diagnose::Unseen& unseen = first.standing.unseen;
-  const diagnose::Ceiling could = diagnose::ceiling(model, first.standing.fit, unseen.residual, jobs);
-  const double learnt_m2 = unseen.total_rms_m * unseen.total_rms_m * could.share - motion_m2(model);
+  const double share = diagnose::ceiling(model, first.standing.fit, unseen.residual, jobs);
+  const double learnt_m2 = unseen.total_rms_m * unseen.total_rms_m * share - motion_m2(model);
   const double least_m = kPolicy.verdict.flexible * model.arm().total_length_m();
-  const bool learns = could.share >= kPolicy.verdict.flexible_share && learnt_m2 >= least_m * least_m;
+  const bool learns = share >= kPolicy.verdict.flexible_share && learnt_m2 >= least_m * least_m;
   const int rows = std::max(1, first.standing.fit.rows);
   decision.alarm = learns || unseen.total_chi2 >= kPolicy.verdict.as_noise_chi2 * rows;
   return decision;
