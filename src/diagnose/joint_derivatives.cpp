@@ -135,12 +135,12 @@ struct Move {
   Eigen::MatrixXd bodies, in_modes, in_next;
 };
 
-/// Sum of derivatives by parameters, each times its change; most changes are those of a few.
-template <typename Sum>
+/// Sum of derivatives by parameters, each times its change; most changes are those of a few. As exact as the
+/// derivatives are.
 void sum_by(const Eigen::MatrixXf& derivative, const VectorXd& change, const std::vector<Eigen::Index>& which,
-            Sum&& sum) {
-  sum.setZero();
-  for (const Eigen::Index j : which) sum += change[j] * derivative.col(j).cast<double>();
+            Eigen::VectorXf& sum) {
+  sum.setZero(derivative.rows());
+  for (const Eigen::Index j : which) sum += static_cast<float>(change[j]) * derivative.col(j);
 }
 
 }  // namespace
@@ -155,7 +155,8 @@ std::vector<Eigen::MatrixXd> JointModel::moved(
   const Eigen::Index blocks = at.reference[trial].values.cols();
   std::vector<Move> moves(varied.size());
   for (Move& one : moves) one.bodies.setZero(6 * bodies, blocks);
-  VectorXd change, move;
+  VectorXd change;
+  Eigen::VectorXf move;
   std::vector<Eigen::Index> which;
   // Block by block: its derivatives are read once for all changes.
   for (Eigen::Index k = 0; k < blocks; ++k) {
@@ -170,20 +171,22 @@ std::vector<Eigen::MatrixXd> JointModel::moved(
         if (change[j] != 0.0) which.push_back(j);
       if (which.empty()) continue;
       Move& of = moves[c];
-      move.resize(by_rod.seen.rows());
       sum_by(by_rod.seen, change, which, move);
       Eigen::Index row = 0;
       for (const Seen& seen : block.bodies)
-        of.bodies.col(k).segment<3>(3 * seen.body) = move.segment<3>(3 * row++);
+        of.bodies.col(k).segment<3>(3 * seen.body) = move.segment<3>(3 * row++).cast<double>();
       for (const model::SeenTangent& seen : block.tangents)
-        of.bodies.col(k).segment<3>(3 * (bodies + seen.body)) = move.segment<3>(3 * row++);
+        of.bodies.col(k).segment<3>(3 * (bodies + seen.body)) = move.segment<3>(3 * row++).cast<double>();
       if (varied[c].swings || by_rod.modes_now.size() == 0) continue;
       if (of.in_modes.size() == 0) {
         of.in_modes.setZero(by_rod.modes_now.rows(), blocks);
         of.in_next = of.in_modes;
       }
-      sum_by(by_rod.modes_now, change, which, of.in_modes.col(k));
-      if (by_rod.modes_next.size() > 0) sum_by(by_rod.modes_next, change, which, of.in_next.col(k));
+      sum_by(by_rod.modes_now, change, which, move);
+      of.in_modes.col(k) = move.cast<double>();
+      if (by_rod.modes_next.size() == 0) continue;
+      sum_by(by_rod.modes_next, change, which, move);
+      of.in_next.col(k) = move.cast<double>();
     }
   }
   std::vector<Eigen::MatrixXd> all;

@@ -172,8 +172,8 @@ struct ExtendedModel::Impl : InstantSolver {
     Eigen::MatrixXd by =
         Eigen::MatrixXd::Zero(modes->stiffness.size(), static_cast<Eigen::Index>(columns.size()));
     for (int j = 0; j < fine.stations(); ++j)
-      by.noalias() +=
-          modes->project.middleCols<3>(3 * j) * derivatives->dp(static_cast<int>(bodies.size()) + j);
+      by.noalias() += modes->project.middleCols<3>(3 * j).lazyProduct(
+          derivatives->dp(static_cast<int>(bodies.size()) + j));
     Eigen::MatrixXf all = Eigen::MatrixXf::Zero(by.rows(), parameters);
     for (std::size_t c = 0; c < columns.size(); ++c)
       all.col(columns[c]) = by.col(static_cast<Eigen::Index>(c)).cast<float>();
