@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "effects.h"
-#include "math/so3.h"
 
 namespace softarm::effects {
 namespace {
@@ -32,10 +31,11 @@ class BaseFreePlay : public Described {
   }
   void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
-    Eigen::Vector3d moment = shape->base_moment_nm;
-    moment.z() = 0.0;
-    const double onset = std::fmax(values[1], kLeastOnset_nm);
-    rod.q_base = math::exp_so3(values[0] / std::hypot(moment.norm(), onset) * moment) * rod.q_base;
+    const double onset_nm = std::fmax(values[1], kLeastOnset_nm);
+    // As a joint of that secant compliance: only how large the moment is then has to agree with the shape, and
+    // not its direction, which turns with every small load where the play is large.
+    rod.segments.front().joint_compliance +=
+        values[0] / std::hypot(shape->base_moment_nm.head<2>().norm(), onset_nm);
   }
 };
 
