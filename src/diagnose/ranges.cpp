@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "math/linear_algebra.h"
 
@@ -13,6 +14,68 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kAtEnd = 1e-9;  // of an unknown's scale: the rounding of a value that was set to its end
+
+constexpr double kEnd = 1e-12;    // of an unknown's scale: at its end
+constexpr double kDrawn = 1e-9;   // of the gradient that the whole move overcomes: what is less is rounding
+constexpr Index kMostRounds = 4;  // per unknown
+
+/// The least where some unknowns stay as they are.
+VectorXd least_beside(const MatrixXd& information, const VectorXd& gradient, const std::vector<bool>& fixed,
+                      const VectorXd& move) {
+  MatrixXd h = information;
+  VectorXd g = gradient;
+  for (Index j = 0; j < g.size(); ++j)
+    if (fixed[static_cast<std::size_t>(j)]) g -= information.col(j) * move[j];
+  hold(fixed, h, g);
+  VectorXd to = math::solve_symmetric(h, g);
+  for (Index j = 0; j < g.size(); ++j)
+    if (fixed[static_cast<std::size_t>(j)]) to[j] = move[j];
+  return to;
+}
+
+/// How much of a way lies within the rooms.
+double share_within(const std::vector<Room>& rooms, const std::vector<bool>& fixed, const VectorXd& from,
+                    const VectorXd& to) {
+  double share = 1.0;
+  for (Index j = 0; j < to.size(); ++j) {
+    const auto u = static_cast<std::size_t>(j);
+    const double limit = std::clamp(to[j], rooms[u].low, rooms[u].high);
+    if (!fixed[u] && limit != to[j]) share = std::min(share, (limit - from[j]) / (to[j] - from[j]));
+  }
+  return std::max(0.0, share);
+}
+
+/// Those that have come to an end on a way that goes beyond it.
+void fix_at_ends(const std::vector<Room>& rooms, const VectorXd& to, std::vector<bool>& fixed,
+                 VectorXd& move) {
+  for (Index j = 0; j < to.size(); ++j) {
+    const auto u = static_cast<std::size_t>(j);
+    const double limit = std::clamp(to[j], rooms[u].low, rooms[u].high);
+    if (fixed[u] || limit == to[j] || std::abs(move[j] - limit) > kEnd * (1.0 + std::abs(limit))) continue;
+    fixed[u] = true;
+    move[j] = limit;
+  }
+}
+
+/// Of those at their ends the one that is drawn back into its room most.
+/// @param left of the gradient
+std::optional<Index> drawn_inward(const VectorXd& left, const MatrixXd& information,
+                                  const std::vector<Room>& rooms, const std::vector<bool>& fixed,
+                                  const VectorXd& move) {
+  std::optional<Index> most;
+  double drawn = 0.0;
+  for (Index j = 0; j < left.size(); ++j) {
+    const auto u = static_cast<std::size_t>(j);
+    if (!fixed[u] || !(rooms[u].high > rooms[u].low)) continue;
+    const double inward = (move[j] <= rooms[u].low ? left[j] : -left[j]) / std::sqrt(information(j, j));
+    const double rounding =
+        kDrawn * information.col(j).cwiseAbs().dot(move.cwiseAbs()) / std::sqrt(information(j, j));
+    if (!(inward > rounding) || !(inward > drawn)) continue;
+    drawn = inward;
+    most = j;
+  }
+  return most;
+}
 
 double misfit_of(const Linearised& at) {
   return std::max(1.0, at.square / std::max(1, at.rows));
@@ -33,28 +96,23 @@ std::vector<Room> rooms_of(const Linearised& at) {
 
 double least_within(const MatrixXd& information, const VectorXd& gradient, double square,
                     const std::vector<Room>& rooms, VectorXd& move) {
-  const auto count = gradient.size();
-  move = math::solve_symmetric(information, gradient);
+  const Index count = gradient.size();
   std::vector<bool> fixed(static_cast<std::size_t>(count), false);
-  for (bool more = true; more;) {
-    more = false;
-    MatrixXd h = information;
-    VectorXd g = gradient;
-    for (Index j = 0; j < count; ++j) {
-      const auto u = static_cast<std::size_t>(j);
-      const double limit = std::clamp(move[j], rooms[u].low, rooms[u].high);
-      if (!fixed[u] && limit != move[j]) {
-        fixed[u] = more = true;
-        move[j] = limit;
-      }
-      if (fixed[u]) g -= information.col(j) * move[j];
+  move = VectorXd::Zero(count);
+  // Each round fixes an unknown or lets one go, and never to what was before: many more there cannot be.
+  for (Index rounds = 0; rounds < kMostRounds * (1 + count); ++rounds) {
+    const VectorXd to = least_beside(information, gradient, fixed, move);
+    const double share = share_within(rooms, fixed, move, to);
+    move += share * (to - move);
+    if (share < 1.0) {
+      fix_at_ends(rooms, to, fixed, move);
+      continue;
     }
-    if (!more) break;
-    const VectorXd ends = move;
-    hold(fixed, h, g);
-    move = math::solve_symmetric(h, g);
-    for (Index j = 0; j < count; ++j)
-      if (fixed[static_cast<std::size_t>(j)]) move[j] = ends[j];
+    move = to;
+    const std::optional<Index> inward =
+        drawn_inward(gradient - information * move, information, rooms, fixed, move);
+    if (!inward) break;
+    fixed[static_cast<std::size_t>(*inward)] = false;
   }
   return std::max(0.0, square - 2.0 * move.dot(gradient) + move.dot(information * move));
 }

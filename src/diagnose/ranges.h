@@ -14,8 +14,9 @@ struct Room {
 };
 std::vector<Room> rooms_of(const Linearised& at);
 
-/// The least of s - 2 g x + x H x within the rooms: unknowns that would leave theirs stay at its end, one
-/// round after the other.
+/// The least of s - 2 g x + x H x within the rooms, by active sets (Stark and Parker 1995, bounded-variable
+/// least squares).
+/// @param information H, positive definite
 /// @param move x
 double least_within(const Eigen::MatrixXd& information, const Eigen::VectorXd& gradient, double square,
                     const std::vector<Room>& rooms, Eigen::VectorXd& move);

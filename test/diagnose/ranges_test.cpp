@@ -52,6 +52,38 @@ TEST(Ranges, TheLeastWithinThemIsThatOfAGrid) {
   }
 }
 
+TEST(Ranges, NothingDrawsTheLeastWithinThemAnyFurther) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  int at_ends = 0, would_return = 0;
+  for (int n = 0; n < 200; ++n) {
+    // Nearly degenerate: the least without rooms lies far outside in many of them.
+    const MatrixXd a = MatrixXd::NullaryExpr(8, 8, [&] { return normal(random); });
+    const MatrixXd h = a.transpose() * a + 1e-3 * MatrixXd::Identity(8, 8);
+    const VectorXd g = VectorXd::NullaryExpr(8, [&] { return 3.0 * normal(random); });
+    std::vector<Room> rooms;
+    for (int j = 0; j < 8; ++j) rooms.push_back({-std::abs(normal(random)), j == 7 ? 0.0 : 1.0});
+    VectorXd x;
+    least_within(h, g, 0.0, rooms, x);
+    const VectorXd drawn = g - h * x, alone = h.ldlt().solve(g);
+    for (int j = 0; j < 8; ++j) {
+      const Room& room = rooms[static_cast<std::size_t>(j)];
+      const bool low = x[j] == room.low, high = x[j] == room.high;
+      EXPECT_TRUE(x[j] >= room.low && x[j] <= room.high) << n << " " << j;
+      if (!low) {
+        EXPECT_GT(drawn[j], -1e-6) << n << " " << j;
+      }
+      if (!high) {
+        EXPECT_LT(drawn[j], 1e-6) << n << " " << j;
+      }
+      at_ends += low || high;
+      would_return += !low && !high && (alone[j] < room.low || alone[j] > room.high);
+    }
+  }
+  EXPECT_GT(at_ends, 100);
+  EXPECT_GT(would_return, 100);  // those that one round would have left at their ends
+}
+
 /// An arm whose file does not let EI be as low as it is: the fit ends at the end of the range.
 struct AtAnEnd {
   explicit AtAnEnd(const std::string& effects = "{count_weights: [1]}")
