@@ -223,8 +223,7 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
                                   const JointModel& model, const Remains& left) {
   std::vector<std::string> notes;
   notes.push_back(
-      fmt::format("{} frames of {} trials, compared as {} means over {:.2g} s, longer where the arm rests or "
-                  "goes straight on; "
+      fmt::format("{} frames of {} trials, compared as {} means over {:.2g} s, longer where the arm rests; "
                   "{} are left out because a hand had been on the payload, {} because the arm swung. Errors "
                   "and the noise floor are those of the means.",
                   all.frames, prepared.trials.size(), all.blocks, options.block_s,

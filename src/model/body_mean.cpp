@@ -30,8 +30,8 @@ BodyLine fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p,
   }
   const double n = line.frames, determinant = n * stt - st * st;
   const bool sloped = line.frames >= 3 && determinant > 1e-12;
-  if (sloped) line.slope = (n * stp - st * sp) / determinant;
-  line.at_centre = (sp - line.slope * st) / n;
+  const Vector3d slope = sloped ? Vector3d((n * stp - st * sp) / determinant) : Vector3d::Zero();
+  line.at_centre = (sp - slope * st) / n;
   line.variance_factor = sloped ? stt / determinant : 1.0 / n;
   line.dof = 3 * (line.frames - (sloped ? 2 : 1));
   // A bend of the way is no noise: it is taken off where frames are left to scatter about it.
@@ -44,7 +44,7 @@ BodyLine fit_line(const std::vector<double>& t, const std::vector<Vector3d>& p,
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (!used[i]) continue;
     const double off = t[i] - mean_t, along = off * off - width - skew * off;  // no part of a line in it
-    const Vector3d residual = p[i] - line.at_centre - line.slope * t[i];
+    const Vector3d residual = p[i] - line.at_centre - slope * t[i];
     line.sum2 += residual.squaredNorm();
     bend += along * residual;
     bends += along * along;

@@ -15,7 +15,6 @@ constexpr int kFewestOfBend = 5;          ///< frames of a mean whose scatter is
 /// positions, 1 of tangents (rad across them).
 struct BodyLine {
   Eigen::Vector3d at_centre = Eigen::Vector3d::Zero();  ///< at t = 0
-  Eigen::Vector3d slope = Eigen::Vector3d::Zero();      ///< per s
   double sum2 = 0.0;  ///< of residuals, squared; about a parabola where the frames are enough
   int frames = 0, dof = 0;
   double variance_factor = 1.0;  ///< of at_centre against that of a frame

@@ -20,10 +20,8 @@ using Eigen::Vector3d;
 using trial::SeenBody;
 using trial::StaticFrame;
 
-// Of a way, in standard deviations of a mean; noise alone makes 1.1. Beyond the first a mean is too long, up
-// to the second it may be longer.
-constexpr double kLongestBend = 2.5, kStraight = 1.5;
-constexpr double kSteady = 1.5;  // ratio of variances up to which a body swings about no way; noise makes 1
+constexpr double kLongestBend = 2.5;  // of a way, in standard deviations of a mean; noise alone makes 1.1
+constexpr double kRests = 1.5;        // ratio of variances up to which a body rests; noise alone makes 1
 constexpr double kLeastNoise_rad =
     1e-4;                             // of tangents, which computed trials have without: a model is no finer
 constexpr double kFewestShare = 0.6;  // of the block's frames in which a body must be seen
@@ -170,59 +168,53 @@ class Preparing {
     }
   }
 
-  /// Half of a block where a body's way bends in it, several where the arm rests or goes straight on in all
-  /// of them.
+  /// Half of a block where a body's way bends in it, several where the arm rests in all of them.
   Reach end_of_block(const std::vector<StaticFrame>& frames, std::size_t first,
                      const Eigen::VectorXd& t) const {
     Reach to = reach(t, first, how_.block_s);
-    if (bends(frames, first, to.last, t, kLongestBend)) {
+    if (bends(frames, first, to.last, t)) {
       const Reach half = reach(t, first, 0.5 * how_.block_s);
       return half.last < to.last && to.last - half.last >= kFewestOfMean ? half : to;
     }
     for (int blocks = 2; blocks <= how_.most_blocks && !to.gap && to.last < frames.size(); ++blocks) {
       const Reach further = reach(t, first, blocks * how_.block_s);
-      if (further.last == to.last || !goes_straight_on(frames, first, further.last, t)) break;
+      if (further.last == to.last || !rests(frames, first, further.last, t)) break;
       to = further;
       to.means = blocks;
     }
     return to;
   }
 
-  /// Whether the bodies rest or go along straight lines, and nobody changes the payload: about such a line
-  /// means over short parts scatter as frames do.
-  bool goes_straight_on(const std::vector<StaticFrame>& frames, std::size_t first, std::size_t last,
-                        const Eigen::VectorXd& t) const {
-    if (bends(frames, first, last, t, kStraight)) return false;
+  /// Whether no body moves, and nobody changes the payload: means over short parts scatter as frames do.
+  bool rests(const std::vector<StaticFrame>& frames, std::size_t first, std::size_t last,
+             const Eigen::VectorXd& t) const {
     for (std::size_t i = first + 1; i < last; ++i)
       if (frames[i].payload_kg != frames[i - 1].payload_kg) return false;
     double scatter = 0.0, bodies = 0.0;
     for (std::size_t b = 0; b < arm_.bodies.size(); ++b) {
-      std::vector<double> when;
       std::vector<Vector3d> where;
       std::vector<std::size_t> part;
       for (std::size_t i = first; i < last; ++i) {
         for (const SeenBody& seen : frames[i].bodies) {
           if (seen.body != static_cast<int>(b)) continue;
-          when.push_back(t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)]);
           where.push_back(seen.p_base);
-          part.push_back(static_cast<std::size_t>((when.back() + 1e-6) / (0.5 * how_.block_s)));
+          part.push_back(static_cast<std::size_t>(
+              (t[static_cast<Eigen::Index>(i)] - t[static_cast<Eigen::Index>(first)] + 1e-6) /
+              (0.5 * how_.block_s)));
         }
       }
-      if (when.empty()) continue;
-      const Vector3d slope = fit_line(when, where, std::vector<bool>(when.size(), true)).slope;
-      for (std::size_t i = 0; i < when.size(); ++i) where[i] -= slope * when[i];
       if (const std::optional<double> ratio = scatter_of_parts(where, part)) {
         scatter += *ratio;
         bodies += 1.0;
       }
     }
-    return bodies > 0.0 && scatter < kSteady * bodies;
+    return bodies > 0.0 && scatter < kRests * bodies;
   }
 
   /// Whether the bodies' ways are no straight lines: a mean over a bend lies beside all places where the body
   /// can be.
   bool bends(const std::vector<StaticFrame>& frames, std::size_t first, std::size_t last,
-             const Eigen::VectorXd& t, double most_sd) const {
+             const Eigen::VectorXd& t) const {
     const double centre =
         t.segment(static_cast<Eigen::Index>(first), static_cast<Eigen::Index>(last - first)).mean();
     double square = 0.0, bodies = 0.0;
@@ -242,7 +234,7 @@ class Preparing {
                 (3.0 * sd_m * sd_m);
       bodies += 1.0;
     }
-    return square > most_sd * most_sd * bodies;
+    return square > kLongestBend * kLongestBend * bodies;
   }
 
   Block mean(const std::vector<StaticFrame>& frames, std::size_t first, std::size_t last,

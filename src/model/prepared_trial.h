@@ -64,8 +64,8 @@ constexpr double kLongestPause_s = 0.5;
 
 struct Preparation {
   double block_s = 0.2;  ///< over which frames are averaged: half of it where the way of a body bends, longer
-                         ///< where three frames are, or where the arm rests or goes straight on
-  int most_blocks = 3;   ///< joined to one while it does
+                         ///< where three frames are, or where the arm rests
+  int most_blocks = 3;   ///< joined to one while the arm rests
   double before_payload_s = 0.5;  ///< of a change, and after it, nothing is compared
   double after_payload_s = 2.0;
   bool as_recorded = false;  ///< trials by when they were recorded, then by name; else as told
