@@ -32,8 +32,8 @@ class BaseFreePlay : public Described {
   void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
     const double onset_nm = std::fmax(values[1], kLeastOnset_nm);
-    // As a joint of that secant compliance: only how large the moment is then has to agree with the shape, and
-    // not its direction, which turns with every small load where the play is large.
+    // As a joint of that secant compliance: only how large the moment is then has to agree with the shape,
+    // and not its direction, which turns with every small load where the play is large.
     rod.segments.front().joint_compliance +=
         values[0] / std::hypot(shape->base_moment_nm.head<2>().norm(), onset_nm);
   }
