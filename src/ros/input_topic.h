@@ -22,8 +22,8 @@ namespace softarm {
 /// How many messages of a topic may wait: 4 s at 240 Hz.
 constexpr std::uint32_t kSubscriberQueue = 1000;
 
-/// Called after a live message has been added, with its header (null if the type has none) and the name of
-/// the node that published it.
+/// Called after a live message has been added or rejected, with its header (null if the type has none, or the
+/// message cannot be read) and the name of the node that published it.
 using OnMessage = std::function<void(const std_msgs::Header*, const std::string&)>;
 
 /// A topic, its type, and what to do with its messages.

@@ -14,7 +14,7 @@ namespace softarm {
 /// started again, is no second one.
 class TopicPublishers {
  public:
-  /// @param sequence header.seq; absent where a message has no header
+  /// @param sequence header.seq; absent where a message has no header, or cannot be read
   /// @return how many messages of this publisher were lost right before it
   std::uint32_t add(const std::string& publisher, std::optional<std::uint32_t> sequence);
 
