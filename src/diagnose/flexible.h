@@ -13,7 +13,8 @@ namespace softarm::diagnose {
 /// Which of these it goes by, its reach and its noise are those that do best among the trials that it learns
 /// from.
 /// @param residual by trial, m, as Unseen::residual
-/// @return the share of their mean square that is gone once what it learnt from other trials is taken off
+/// @return the share of their mean square that is gone once what it learnt from other trials is taken off; 0
+/// of too few instants, or of one trial
 double ceiling(const JointModel& model, const Linearised& at, const std::vector<Eigen::VectorXd>& residual,
                unsigned jobs);
 

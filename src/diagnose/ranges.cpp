@@ -99,7 +99,8 @@ double least_within(const MatrixXd& information, const VectorXd& gradient, doubl
   const Index count = gradient.size();
   std::vector<bool> fixed(static_cast<std::size_t>(count), false);
   move = VectorXd::Zero(count);
-  // Each round fixes an unknown or lets one go, and never to what was before: many more there cannot be.
+  // Each round fixes unknowns or lets one go. What is left falls with each that is let go, so that none are
+  // fixed alike twice but by rounding: hence a bound.
   for (Index rounds = 0; rounds < kMostRounds * (1 + count); ++rounds) {
     const VectorXd to = least_beside(information, gradient, fixed, move);
     const double share = share_within(rooms, fixed, move, to);

@@ -17,6 +17,7 @@ std::vector<Room> rooms_of(const Linearised& at);
 /// The least of s - 2 g x + x H x within the rooms, by active sets (Stark and Parker 1995, bounded-variable
 /// least squares).
 /// @param information H, positive definite
+/// @param rooms each with 0 in it, from where it looks
 /// @param move x
 double least_within(const Eigen::MatrixXd& information, const Eigen::VectorXd& gradient, double square,
                     const std::vector<Room>& rooms, Eigen::VectorXd& move);
