@@ -187,9 +187,8 @@ class Regression {
     math::CholeskyFactor factor;
     factor.compute(k);
     const MatrixXd weights = factor.solve_columns(pick(instants_.y, learnt, nullptr));
-    const MatrixXd by_learnt = pick(kernel.transpose(), learnt, nullptr);
     return instants_.weight.cwiseProduct(
-        (instants_.y - by_learnt.transpose() * weights).rowwise().squaredNorm());
+        (instants_.y - columns_of(kernel, learnt) * weights).rowwise().squaredNorm());
   }
 
   /// The same with nothing taken off.

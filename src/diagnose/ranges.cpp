@@ -14,8 +14,6 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kAtEnd = 1e-9;  // of an unknown's scale: the rounding of a value that was set to its end
-
-constexpr double kEnd = 1e-12;    // of an unknown's scale: at its end
 constexpr double kDrawn = 1e-9;   // of the gradient that the whole move overcomes: what is less is rounding
 constexpr Index kMostRounds = 4;  // per unknown
 
@@ -33,28 +31,29 @@ VectorXd least_beside(const MatrixXd& information, const VectorXd& gradient, con
   return to;
 }
 
-/// How much of a way lies within the rooms.
-double share_within(const std::vector<Room>& rooms, const std::vector<bool>& fixed, const VectorXd& from,
-                    const VectorXd& to) {
+/// Goes as far to there as the rooms let it, and fixes the unknown that comes to its end first.
+/// @return whether none did
+bool go_within(const std::vector<Room>& rooms, const VectorXd& to, std::vector<bool>& fixed, VectorXd& move) {
   double share = 1.0;
+  Index ends = -1;
   for (Index j = 0; j < to.size(); ++j) {
     const auto u = static_cast<std::size_t>(j);
     const double limit = std::clamp(to[j], rooms[u].low, rooms[u].high);
-    if (!fixed[u] && limit != to[j]) share = std::min(share, (limit - from[j]) / (to[j] - from[j]));
+    if (fixed[u] || limit == to[j]) continue;
+    const double own = (limit - move[j]) / (to[j] - move[j]);
+    if (own > share) continue;
+    share = own;
+    ends = j;
   }
-  return std::max(0.0, share);
-}
-
-/// Those that have come to an end on a way that goes beyond it.
-void fix_at_ends(const std::vector<Room>& rooms, const VectorXd& to, std::vector<bool>& fixed,
-                 VectorXd& move) {
-  for (Index j = 0; j < to.size(); ++j) {
-    const auto u = static_cast<std::size_t>(j);
-    const double limit = std::clamp(to[j], rooms[u].low, rooms[u].high);
-    if (fixed[u] || limit == to[j] || std::abs(move[j] - limit) > kEnd * (1.0 + std::abs(limit))) continue;
-    fixed[u] = true;
-    move[j] = limit;
+  if (ends < 0) {
+    move = to;
+    return true;
   }
+  move += std::max(0.0, share) * (to - move);
+  const auto u = static_cast<std::size_t>(ends);
+  fixed[u] = true;
+  move[ends] = std::clamp(to[ends], rooms[u].low, rooms[u].high);
+  return false;
 }
 
 /// Of those at their ends the one that is drawn back into its room most.
@@ -99,17 +98,10 @@ double least_within(const MatrixXd& information, const VectorXd& gradient, doubl
   const Index count = gradient.size();
   std::vector<bool> fixed(static_cast<std::size_t>(count), false);
   move = VectorXd::Zero(count);
-  // Each round fixes unknowns or lets one go. What is left falls with each that is let go, so that none are
+  // Each round fixes an unknown or lets one go. What is left falls with each that is let go, so that none are
   // fixed alike twice but by rounding: hence a bound.
   for (Index rounds = 0; rounds < kMostRounds * (1 + count); ++rounds) {
-    const VectorXd to = least_beside(information, gradient, fixed, move);
-    const double share = share_within(rooms, fixed, move, to);
-    move += share * (to - move);
-    if (share < 1.0) {
-      fix_at_ends(rooms, to, fixed, move);
-      continue;
-    }
-    move = to;
+    if (!go_within(rooms, least_beside(information, gradient, fixed, move), fixed, move)) continue;
     const std::optional<Index> inward =
         drawn_inward(gradient - information * move, information, rooms, fixed, move);
     if (!inward) break;

@@ -417,8 +417,8 @@ ExtendedModel::Varied ExtendedModel::vary(const arm::Arm& arm, const std::vector
                                           const std::vector<Predicted>& baseline, bool driven_alike) {
   Impl& m = *impl_;
   Varied varied;
-  varied.values = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(m.fine.parameters().size()),
-                                        static_cast<Eigen::Index>(trial.blocks.size()));
+  varied.values.resize(static_cast<Eigen::Index>(m.fine.parameters().size()),
+                       static_cast<Eigen::Index>(trial.blocks.size()));
   std::vector<Eigen::Index> begins;
   Eigen::Index bodies = 0;
   for (const Block& block : trial.blocks) {
@@ -426,6 +426,8 @@ ExtendedModel::Varied ExtendedModel::vary(const arm::Arm& arm, const std::vector
     bodies += static_cast<Eigen::Index>(block.bodies.size());
   }
   varied.seen = Eigen::MatrixXd::Zero(3, bodies);
+  for (std::size_t k = 0; k < baseline.size(); ++k)
+    if (!baseline[k].solved) varied.values.col(static_cast<Eigen::Index>(k)).setZero();
   varied.swings = Impl::swings_otherwise(dynamics, effects, baseline);
   const bool observed = std::any_of(effects.begin(), effects.end(),
                                     [](const Present& present) { return present.effect->observes(); });

@@ -1,7 +1,9 @@
-// Derivatives where loads or stiffness depend on the shape, against differences of whole predictions.
+// Derivatives, also where loads or stiffness depend on the shape, against differences of whole predictions.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <initializer_list>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -37,36 +39,63 @@ Eigen::VectorXd difference(JointModel& model, const Linearised& at, std::size_t 
   return (r[0] - r[1]) / (2.0 * kStep);
 }
 
+/// An arm that swings, and a fit of it with an effect of usual size.
+struct WithOne {
+  explicit WithOne(const std::string& id)
+      : drawn(
+            testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.5, 0.6]}", 6, 3, 8.0)),
+        looked(drawn.arm, drawn.trials),
+        with(looked.baseline.at) {
+    looked.model.find_modes(looked.baseline.at, looked.baseline.predicted);
+    const model::Effect& one = effect(id);
+    model::Values values = one.grid(drawn.arm, looked.model.rod()).front();
+    for (int k = 0; k < one.info().sizes; ++k)
+      values[k] = one.info().parameters[static_cast<std::size_t>(k)].usual;
+    with.effects.push_back({&one, values});
+  }
+  /// Derivatives by unknowns of these kinds are those of whole predictions.
+  void expect_whole(const Linearised& at, std::initializer_list<JointUnknown::Kind> kinds) {
+    for (std::size_t t = 0; t < drawn.trials.size(); ++t) {
+      for (std::size_t j = 0; j < at.columns.size(); ++j) {
+        if (std::find(kinds.begin(), kinds.end(), at.columns[j].kind) == kinds.end()) continue;
+        SCOPED_TRACE("trial " + std::to_string(t) + ", unknown " + std::to_string(j));
+        const Eigen::VectorXd d =
+            at.root_weight[t].cwiseProduct(difference(looked.model, at, t, at.columns[j]));
+        EXPECT_LT((at.derivative[t].col(static_cast<Eigen::Index>(j)) - d).norm(),
+                  0.02 * d.norm() + kSettled);
+      }
+    }
+  }
+  testing::RecordedCase drawn;
+  testing::Looked looked;
+  JointParameters with;
+};
+
 class WholeDerivatives : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(WholeDerivatives, AreThoseOfWholePredictions) {
-  const testing::RecordedCase drawn =
-      testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.5, 0.6]}", 6, 3, 8.0);
-  testing::Looked looked(drawn.arm, drawn.trials);
-  looked.model.find_modes(looked.baseline.at, looked.baseline.predicted);
-  ASSERT_TRUE(looked.model.swings());
-  JointParameters with = looked.baseline.at;
-  const model::Effect& one = effect(GetParam());
-  model::Values values = one.grid(drawn.arm, looked.model.rod()).front();
-  for (int k = 0; k < one.info().sizes; ++k)
-    values[k] = one.info().parameters[static_cast<std::size_t>(k)].usual;
-  with.effects.push_back({&one, values});
+  WithOne one(GetParam());
+  ASSERT_TRUE(one.looked.model.swings());
   const Linearised whole =
-      looked.model.linearise(with, &looked.baseline.predicted, JointModel::Derivatives::kWhole);
-  for (std::size_t t = 0; t < drawn.trials.size(); ++t) {
-    for (std::size_t j = 0; j < whole.columns.size(); ++j) {
-      if (whole.columns[j].kind != JointUnknown::Kind::kConstant) continue;
-      SCOPED_TRACE("trial " + std::to_string(t) + ", unknown " + std::to_string(j));
-      const Eigen::VectorXd d =
-          whole.root_weight[t].cwiseProduct(difference(looked.model, whole, t, whole.columns[j]));
-      EXPECT_LT((whole.derivative[t].col(static_cast<Eigen::Index>(j)) - d).norm(),
-                0.02 * d.norm() + kSettled);
-    }
-  }
+      one.looked.model.linearise(one.with, &one.looked.baseline.predicted, JointModel::Derivatives::kWhole);
+  one.expect_whole(whole, {JointUnknown::Kind::kConstant});
 }
 
 INSTANTIATE_TEST_SUITE_P(Effects, WholeDerivatives,
                          ::testing::Values("tether", "curvature_softening", "one_sided_softness"));
+
+/// What drives the arm is then another for some unknowns, and the same for others.
+class DrivenDerivatives : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(DrivenDerivatives, AreThoseOfWholePredictions) {
+  WithOne one(GetParam());
+  const Linearised at = one.looked.model.linearise(one.with, &one.looked.baseline.predicted,
+                                                   JointModel::Derivatives::kShapesHeld);
+  one.expect_whole(at, {JointUnknown::Kind::kConstant, JointUnknown::Kind::kEffect});
+}
+
+INSTANTIATE_TEST_SUITE_P(Effects, DrivenDerivatives,
+                         ::testing::Values("pressure_lag", "chamber_bulge", "payload_scale", "marker_slip"));
 
 }  // namespace
 }  // namespace softarm::diagnose
