@@ -245,9 +245,9 @@ DRIVERS = {
     "vicon markers": Vicon,
     "qualisys": Qualisys,
     "phasespace": Phasespace,
-    "natnet markers": lambda: Poses("/natnet/<body>/marker0/pose", PointStamped, "body/marker0",
+    "natnet markers": lambda: Poses("/natnet_ros/<body>/marker0/pose", PointStamped, "body/marker0",
                                     bodies=("ring_1", "ring_2")),
-    "natnet cloud": lambda: Cloud("/natnet/<body>/pose", "/natnet/pointcloud", PointCloud, "world"),
+    "natnet cloud": lambda: Cloud("/natnet_ros/<body>/pose", "/natnet_ros/pointcloud", PointCloud, "world"),
     "natnet_ros cloud": lambda: Cloud("/mocap/rigid_bodies/<body>/pose", "/mocap/markers/vis", Marker, "mocap",
                                       points_up=True),
 }
