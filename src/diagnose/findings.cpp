@@ -116,10 +116,12 @@ bool is_placed_well(const arm::Arm& arm, const Present& present) {
          angle2 <= most(&arm::MeasuredBody::placement_sd_rad);
 }
 
-/// Whether it is what every arm has: placement within what the arm file allows, or weights known to a few
-/// percent.
-bool is_usual(const JointModel& model, const Present& present) {
-  return is_weighed_well(present) || is_placed_well(model.arm(), present);
+/// Whether it is no more inertia and lag than nobody knows of an arm that swings: it counts as noise.
+bool is_of_unknown_motion(const JointModel& model, const Linearised& at, const Present& present) {
+  const model::Sluggishness own = present.effect->sluggishness(present.values);
+  const double share = model.unknown_inertia();
+  return !(own == model::Sluggishness()) && std::abs(own.mass_share) <= share &&
+         std::abs(own.lag_s) <= share * at.at.viscoelastic_lag_s;
 }
 
 /// Whether it is that, or little of what is explained, or little beside what is left.
@@ -131,7 +133,7 @@ bool is_small(const JointModel& model, const Selection& selection, std::size_t e
   const bool beside = !adequate && effect.share * d.explained_share < kPolicy.words.small_part &&
                       moved_m < kPolicy.words.small * model.arm().total_length_m();
   return beside || is_small_share(effect.share, explained_m, model.arm().total_length_m()) ||
-         is_usual(model, selection.extended.at.effects[e]);
+         is_usual(model, selection.extended, selection.extended.at.effects[e]);
 }
 
 /// Probability of an effect, or of what it may be mistaken for.
@@ -149,6 +151,11 @@ double beyond_m(double whole_m, double part_m) {
 }
 
 }  // namespace
+
+bool is_usual(const JointModel& model, const Linearised& at, const Present& present) {
+  return is_weighed_well(present) || is_placed_well(model.arm(), present) ||
+         is_of_unknown_motion(model, at, present);
+}
 
 bool is_short_delay(const Present& present) {
   return present.effect->info().delays && std::abs(present.values[0]) <= kPolicy.delay.alike_s;
@@ -287,7 +294,7 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
     // No arm has more of it than its range allows: it makes up for what is left.
     if (!adequate && at_limit(selection.extended, e)) effect.probability = 0.0;
     if (small) {
-      usual.push_back(is_usual(model, present));
+      usual.push_back(is_usual(model, selection.extended, present));
     } else {
       // Those that might be there in its place would explain as little.
       const Round& round = selection.rounds[selection.round_of[e]];

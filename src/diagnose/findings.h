@@ -28,6 +28,11 @@ void mistake_short_delays(const arm::Arm& arm, const std::vector<model::Present>
 void lead_with_what_is_known(const std::vector<bool>& usual, std::vector<NamedEffect>& effects,
                              std::vector<NamedEffect>& small);
 
+/// Whether it is what every arm has: placement within what the arm file allows, weights known to a few
+/// percent, or no more inertia than is not known of an arm that swings.
+/// @param at the fit that it is of
+bool is_usual(const JointModel& model, const Linearised& at, const model::Present& present);
+
 /// A delay so short that clocks that are apart and pressures that lag are one.
 bool is_short_delay(const model::Present& present);
 

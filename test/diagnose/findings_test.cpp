@@ -11,7 +11,9 @@
 
 #include "effect_ids.h"
 #include "effects/catalogue.h"
+#include "looked.h"
 #include "policy.h"
+#include "recorded_case.h"
 #include "refits.h"
 #include "softarm/arm/arm_file.h"
 
@@ -26,6 +28,26 @@ NamedEffect effect(const std::string& id, double probability, double share) {
   one.probability = probability;
   one.share = share;
   return one;
+}
+
+TEST(Findings, InertiaThatCountsAsNoiseIsUsual) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.5, 0.6]}", 6, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  looked.model.find_modes(looked.baseline.at, looked.baseline.predicted);
+  const double share = looked.model.unknown_inertia(), lag_s = looked.baseline.at.viscoelastic_lag_s;
+  ASSERT_GT(share, 0.0);
+  ASSERT_GT(lag_s, 0.0);
+  const model::Effect* inertia = nullptr;
+  for (const std::unique_ptr<model::Effect>& one : effects::catalogue())
+    if (one->info().id == "inertia") inertia = one.get();
+  const auto usual = [&](double mass_share, double delay_s) {
+    return is_usual(looked.model, looked.baseline, {inertia, Eigen::Vector2d(mass_share, delay_s)});
+  };
+  EXPECT_TRUE(usual(0.9 * share, 0.0));
+  EXPECT_TRUE(usual(-0.5 * share, -0.9 * share * lag_s));
+  EXPECT_FALSE(usual(1.1 * share, 0.0));
+  EXPECT_FALSE(usual(0.5 * share, 1.1 * share * lag_s));
 }
 
 TEST(Findings, MayBeMistakenForEachOther) {
