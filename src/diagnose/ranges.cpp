@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kAtEnd = 1e-9;  // of an unknown's scale: the rounding of a value that was set to its end
+constexpr double kAtEnd = 1e-9;   // of an unknown's scale: the rounding of a value that was set to its end
 constexpr double kDrawn = 1e-9;   // of the gradient that the whole move overcomes: what is less is rounding
 constexpr Index kMostRounds = 4;  // per unknown
 
