@@ -209,6 +209,28 @@ TEST(DrivesAndMemory, ActInProportionWhenSmall) {
   }
 }
 
+/// What drives the arm need not be worked out again for an effect that leaves it as it is; for one that does
+/// not, what it does would be lost.
+TEST(DrivesAndMemory, WhatIsDrivenAlikeIsVariedAlike) {
+  int driving = 0, others = 0;
+  for (const model::Effect* effect : effects()) {
+    Arena& arena = arena_of(*effect);
+    const std::string beside = effect->info().id == "clock_offset" ? "payload_scale" : "clock_offset";
+    const model::Present drives{find(beside), usual(*find(beside))};
+    const std::vector<model::Predicted> base =
+        predict(arena.model, arena.arm, {drives}, arena.trial, quasi_static(), true);
+    const std::vector<model::Present> both{drives, {effect, usual(*effect)}};
+    const auto varied = [&](bool alike) {
+      return arena.model.vary(arena.arm, both, quasi_static(), arena.trial, base, alike);
+    };
+    const auto alike = varied(true), anew = varied(false);
+    EXPECT_EQ(alike.seen, anew.seen) << effect->info().id;
+    EXPECT_EQ(alike.values == anew.values, !effect->drives()) << effect->info().id;
+    ++(effect->drives() ? driving : others);
+  }
+  EXPECT_TRUE(driving > 5 && others > 5) << driving << " " << others;
+}
+
 TEST(DrivesAndMemory, OfTheirUsualSizeLeaveAnEquilibrium) {
   for (const model::Effect* effect : effects()) {
     Arena& arena = arena_of(*effect);
