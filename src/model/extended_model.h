@@ -71,7 +71,9 @@ class ExtendedModel {
   /// @param driven_alike whether the inputs and the payload are those of the baseline, and so are the walls
   struct Varied {
     Eigen::MatrixXd values;  ///< one column per block; FineRod::values
-    Eigen::MatrixXd seen;    ///< 3 x all bodies of all blocks, in order: by which effects move what is seen
+    /// 3 x all bodies of all blocks, in order: by which effects move what is seen, from where the baseline's
+    /// do; 0 where none of these effects does, so that the baseline's must be among them.
+    Eigen::MatrixXd seen;
     /// The arm was made to swing as these parameters let it: `values` hold its inertia, too.
     bool swings = false;
   };
