@@ -3,12 +3,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "evidence_data.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
 #include "refits.h"
 #include "unseen.h"
+#include "widening.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -52,11 +54,9 @@ Sizes at_the_shapes_of(const Linearised& at, std::size_t e, const Gaussian& unkn
   return sizes;
 }
 
-/// Makes each number's standard deviation the larger one of two.
-void guard(const Eigen::VectorXd& variance, Eigen::MatrixXd& covariance) {
-  if (variance.size() != covariance.rows()) return;
-  const Eigen::VectorXd times = variance.cwiseQuotient(covariance.diagonal()).cwiseMax(1.0).cwiseSqrt();
-  covariance = times.asDiagonal() * covariance * times.asDiagonal();
+void widen(const Eigen::VectorXd& times, Eigen::MatrixXd& covariance) {
+  const Eigen::VectorXd root = times.cwiseSqrt();
+  covariance = root.asDiagonal() * covariance * root.asDiagonal();
 }
 
 /// Probability of an effect of the fit given all the others that are in it: the density that its sizes have
@@ -67,11 +67,11 @@ void guard(const Eigen::VectorXd& variance, Eigen::MatrixXd& covariance) {
 /// What is not known of an effect in any arm is nothing of its own: its sizes are looked at beside that.
 /// @param between folds, where the effect's shapes are the fit's
 double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, const Posterior& posterior,
-                   const Eigen::VectorXd& between, double unknown_inertia) {
+                   const Spreads& between, const Widening& widening, double unknown_inertia) {
   const std::vector<Eigen::Index> rows = rows_of_sizes(at, e);
   const Eigen::VectorXd fitted = math::rows_of(at.unknowns(), rows);
   Sizes sizes = at_the_shapes_of(at, e, posterior.on_its_law.at(e));
-  if (between.size() > 0) guard(math::rows_of(between, rows), sizes.covariance);
+  widen(widening.times(between, rows, sizes.covariance.diagonal()), sizes.covariance);
   Eigen::VectorXd later = fitted + sizes.shift;
   double log_before = 0.0;  // density at nothing
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -88,6 +88,14 @@ double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, c
   const double log_odds = log_before - log_density_at_nothing(fitted, later, sizes.covariance) +
                           std::log(kPolicy.posterior.expected / static_cast<double>(catalogue));
   return 1.0 / (1.0 + std::exp(-log_odds));
+}
+
+Widening widen_all(const Spreads& between, Eigen::MatrixXd& covariance) {
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(covariance.rows()));
+  std::iota(all.begin(), all.end(), Eigen::Index{0});
+  const Widening widening(between, covariance);
+  widen(widening.times(between, all, covariance.diagonal()), covariance);
+  return widening;
 }
 
 }  // namespace
@@ -110,16 +118,17 @@ Doubt doubt_about(const Linearised& at, const Posterior& posterior, const Poster
   doubt.still_there.assign(at.at.effects.size(), 1.0);
   if (posterior.unknowns.covariance.rows() != at.information.rows()) {
     doubt.covariance = inflation(at) * math::inverse_of_symmetric(at.information);
-    guard(between.unknowns, doubt.covariance);
+    widen_all(between.unknowns, doubt.covariance);
     return doubt;
   }
   const Gaussian& u = posterior.unknowns;
   doubt.covariance = u.covariance + u.mean * u.mean.transpose();
-  guard(between.unknowns, doubt.covariance);
+  const Widening widening = widen_all(between.unknowns, doubt.covariance);
   const bool are_others = without_rivals.unknowns.covariance.rows() == at.information.rows();
   const Posterior& of_class = are_others ? without_rivals : posterior;
   for (std::size_t e = 0; e < doubt.still_there.size(); ++e)
-    doubt.still_there[e] = still_there(at, e, catalogue, of_class, between.at_shapes.at(e), unknown_inertia);
+    doubt.still_there[e] =
+        still_there(at, e, catalogue, of_class, between.at_shapes.at(e), widening, unknown_inertia);
   return doubt;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "posterior.h"
+#include "unseen.h"
 
 namespace softarm::diagnose {
 
@@ -16,11 +17,11 @@ struct Doubt {
   std::vector<double> still_there;  ///< for each effect of the fit: its probability given all the others
 };
 
-/// What differs from trial to trial the posterior may not know: no unknown is known better than it agrees
-/// between folds.
+/// What differs from trial to trial the posterior may not know: the unknowns' variances are moderated by how
+/// the fit differs between folds (Widening).
 struct Between {
-  Eigen::VectorXd unknowns;                ///< variances (between_folds); empty: too few folds
-  std::vector<Eigen::VectorXd> at_shapes;  ///< for each effect: those where its shapes are the fit's
+  Spreads unknowns;
+  std::vector<Spreads> at_shapes;  ///< for each effect: those where its shapes are the fit's
 };
 Between between_folds(const JointModel& model, const Linearised& at);
 

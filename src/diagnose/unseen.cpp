@@ -8,7 +8,6 @@
 #include <set>
 #include <utility>
 
-#include "math/distributions.h"
 #include "math/linear_algebra.h"
 #include "math/parallel.h"
 #include "policy.h"
@@ -209,24 +208,29 @@ class Jackknife {
       : at_(at), held_(held), rooms_(rooms_of(at)) {
     known_ = step({at.information, at.gradient}, of_all_);
   }
-  /// Variances of the unknowns, as Wu has them, as wide as Student's t's; nothing of fewer than three folds.
   /// @param fold by trial
-  VectorXd over(const std::vector<std::size_t>& fold) const {
+  Spread over(const std::vector<std::size_t>& fold) const {
     const std::set<std::size_t> folds(fold.begin(), fold.end());
     if (folds.size() < 3) return {};
-    Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(known_.size());
+    const Eigen::ArrayXd none = Eigen::ArrayXd::Zero(known_.size());
+    // Sums over folds of what each of them alone knows, and of powers that the freedom goes by.
+    Eigen::ArrayXd variance = none, own_sum = none, own_squares = none, ratios = none, pairs = none;
     for (const std::size_t one : folds) {
       std::vector<bool> without;
       for (const std::size_t of_trial : fold) without.push_back(of_trial == one);
       VectorXd to;
       const VectorXd less_known = step(without_some(at_, without), to);
-      const Eigen::ArrayXd kept = (known_.array() / less_known.array()).max(0.0).min(1.0);
+      const Eigen::ArrayXd kept = (known_.array() / less_known.array()).max(1e-9).min(1.0);
       variance += kept * (to - of_all_).array().square();
+      const Eigen::ArrayXd own = 1.0 - kept;
+      own_sum += own;
+      own_squares += own.square();
+      pairs += 2.0 * ratios * own.square() / kept;
+      ratios += own.square() / kept;
     }
-    constexpr double kUpTo = 0.95;  // of a 90 % interval, as which sizes are told
-    const double wider = math::students_t_quantile(static_cast<double>(folds.size() - 1), kUpTo) /
-                         math::normal_quantile(kUpTo);
-    return wider * wider * variance;
+    // Of white errors a fold's deviation is less_known - known, and so weighted its own share of known. In
+    // one dimension the sum's variance is 2 / freedom of its square.
+    return {variance, own_sum, (own_sum.square() / (own_squares + pairs).max(1e-300)).max(1.0)};
   }
 
  private:
@@ -246,20 +250,17 @@ class Jackknife {
 
 }  // namespace
 
-VectorXd between_folds(const Linearised& at, const std::vector<std::size_t>& sequence,
-                       const std::vector<std::size_t>& session, const std::vector<bool>& held) {
+Spreads between_folds(const Linearised& at, const std::vector<std::size_t>& sequence,
+                      const std::vector<std::size_t>& session, const std::vector<bool>& held) {
   const std::size_t trials = sequence.size();
   const std::vector<std::size_t> commands = commands_of(sequence);
   std::vector<std::size_t> both(trials);
   for (std::size_t t = 0; t < trials; ++t) both[t] = commands[t] * trials + session[t];
   const Jackknife jackknife(at, held);
-  const VectorXd by_commands = jackknife.over(commands), by_session = jackknife.over(session);
-  if (by_session.size() == 0) return by_commands;
-  if (by_commands.size() == 0) return by_session;
-  return by_commands + by_session - by_commands.cwiseMin(by_session).cwiseMin(jackknife.over(both));
+  return {jackknife.over(commands), jackknife.over(session), jackknife.over(both)};
 }
 
-VectorXd between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held) {
+Spreads between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held) {
   std::vector<double> session_s;
   for (const model::TrialData& trial : model.trials()) session_s.push_back(trial.session_s);
   return between_folds(at, model.sequences(), sessions_of(session_s), held);

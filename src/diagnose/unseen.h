@@ -22,22 +22,30 @@ struct Unseen {
   std::size_t refits = 0;  ///< of refitted_unseen(): fits made anew
 };
 
-/// How far the fit's unknowns lie apart where one input sequence, or one session, after the other is left
-/// out, as variances of what all trials together say, to first order: the jackknife for folds of which some
-/// know more than others (Wu 1986, doi:10.1214/aos/1176350142). Each deviation counts by the share of what is
-/// known of the unknown that the other folds hold: what acts in one trial alone is not contradicted by those
-/// in which it cannot be seen. Of a spread among few folds little is known: it is that of the normal
-/// distribution whose 90 % interval is as wide as Student's t's.
-/// A trial has a sequence and a session. What both partitions say is added, less what trials that share both
-/// say, which is in either (Cameron, Gelbach and Miller 2011, doi:10.1198/jbes.2010.07136); no less than each
-/// says alone, as the difference may chance to.
+/// How far the fit's unknowns lie apart where one fold of trials after the other is left out, to first order.
+/// All by unknown.
+struct Spread {
+  /// Of what all trials together say: the jackknife for folds of which some know more than others (Wu 1986,
+  /// doi:10.1214/aos/1176350142). Each deviation counts by the share of what is known of the unknown that the
+  /// other folds hold: what acts in one trial alone is not contradicted by those in which it cannot be seen.
+  Eigen::VectorXd variance;
+  /// What is to be expected of it, in variances of the unknown: 1 where the trials alone tell it, 0 where
+  /// they say nothing beside what was known beforehand, or where it is held.
+  Eigen::VectorXd expected;
+  /// Degrees of freedom (Satterthwaite): one less than folds where all know alike much.
+  Eigen::VectorXd freedom;
+};
+/// A trial has a sequence and a session.
+struct Spreads {
+  Spread by_sequence, by_session, by_both;  ///< each empty where there are not three folds
+};
+
 /// @param held unknowns that stay as they are in all fits
-/// @return nothing where there are neither three sequences nor three sessions. Of one sequence the trials
-/// count as sequences are
-Eigen::VectorXd between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held);
+/// @return of one sequence the trials count as sequences do
+Spreads between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held);
 /// @param sequence, session by trial
-Eigen::VectorXd between_folds(const Linearised& at, const std::vector<std::size_t>& sequence,
-                              const std::vector<std::size_t>& session, const std::vector<bool>& held);
+Spreads between_folds(const Linearised& at, const std::vector<std::size_t>& sequence,
+                      const std::vector<std::size_t>& session, const std::vector<bool>& held);
 
 /// To first order about the fit to all.
 Unseen unseen(const JointModel& model, const Linearised& at);

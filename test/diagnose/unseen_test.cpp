@@ -107,11 +107,11 @@ TEST(Unseen, AFitWithoutSomeTrialsLeavesTheModelAsItWas) {
 TEST(BetweenFolds, IsHowFarFitsWithoutEachTrialLieApart) {
   const testing::RecordedCase drawn = unseen_case(4);
   testing::Looked looked(drawn.arm, drawn.trials);
-  const Eigen::VectorXd between =
-      between_folds(looked.model, looked.baseline, Flags(looked.baseline.columns.size(), false));
+  const Spread between =
+      between_folds(looked.model, looked.baseline, Flags(looked.baseline.columns.size(), false)).by_sequence;
   const std::size_t trials = drawn.trials.size();
   const Eigen::VectorXd known = looked.baseline.information.inverse().diagonal();
-  Eigen::VectorXd variance = Eigen::VectorXd::Zero(known.size());
+  Eigen::VectorXd variance = Eigen::VectorXd::Zero(known.size()), expected = variance;
   for (std::size_t t = 0; t < trials; ++t) {
     Flags without(trials, false);
     without[t] = true;
@@ -119,11 +119,15 @@ TEST(BetweenFolds, IsHowFarFitsWithoutEachTrialLieApart) {
     const Eigen::VectorXd weight = known.cwiseQuotient(others.information.inverse().diagonal());
     EXPECT_LT(weight.maxCoeff(), 1.0) << "fewer trials know less";
     variance += weight.cwiseProduct((others.unknowns() - looked.baseline.unknowns()).cwiseAbs2());
+    expected += VectorXd::Ones(known.size()) - weight;
   }
-  ASSERT_EQ(between.size(), variance.size());
-  for (Eigen::Index j = 0; j < between.size(); ++j) {
-    const double sd = 2.353 / 1.645 * std::sqrt(variance[j]);  // t of three, at 90 %
-    EXPECT_NEAR(std::sqrt(between[j]), sd, 0.15 * sd) << j;
+  ASSERT_EQ(between.variance.size(), variance.size());
+  for (Eigen::Index j = 0; j < variance.size(); ++j) {
+    const double sd = std::sqrt(variance[j]);
+    EXPECT_NEAR(std::sqrt(between.variance[j]), sd, 0.15 * sd) << j;
+    EXPECT_NEAR(between.expected[j], expected[j], 0.1 * expected[j]) << j;
+    EXPECT_GE(between.freedom[j], 1.0) << j;
+    EXPECT_LE(between.freedom[j], 3.0 + 1e-9) << j;
   }
 }
 
@@ -146,16 +150,20 @@ TEST(BetweenFolds, WhatActsInOneTrialIsNotContradictedByTheOthers) {
     stretch.gradient[kNumber] = first ? -kBefore * kStep : 0.0;  // without it, the number is kStep higher
     first = false;
   }
-  const double t = 2.353 / 1.645;
-  EXPECT_NEAR(std::sqrt(between_folds(looked.model, at, Flags(at.columns.size(), false))[kNumber]),
-              t * kStep * std::sqrt(kBefore / (kBefore + kByTrial)), 1e-3 * kStep);
+  const Spread between = between_folds(looked.model, at, Flags(at.columns.size(), false)).by_sequence;
+  EXPECT_NEAR(std::sqrt(between.variance[kNumber]), kStep * std::sqrt(kBefore / (kBefore + kByTrial)),
+              1e-3 * kStep);
+  EXPECT_NEAR(between.expected[kNumber], kByTrial / (kBefore + kByTrial), 1e-6);
+  EXPECT_NEAR(between.freedom[kNumber], 1.0, 1e-6);
 }
 
 TEST(BetweenFolds, OfTwoTrialsAreNone) {
   const testing::RecordedCase drawn = unseen_case(2);
   testing::Looked looked(drawn.arm, drawn.trials);
-  EXPECT_EQ(between_folds(looked.model, looked.baseline, Flags(looked.baseline.columns.size(), false)).size(),
-            0);
+  const Spreads between =
+      between_folds(looked.model, looked.baseline, Flags(looked.baseline.columns.size(), false));
+  EXPECT_EQ(between.by_sequence.variance.size(), 0);
+  EXPECT_EQ(between.by_session.variance.size(), 0);
 }
 
 /// A number that each trial measures by itself, alike well, and so far off their mean.
@@ -178,35 +186,35 @@ Linearised measured(const std::vector<double>& off) {
   return at;
 }
 
-TEST(BetweenFolds, EachTrialCountsOnceInSequencesThatCrossSessions) {
+TEST(BetweenFolds, SequencesThatCrossSessionsAreLookedAtEach) {
   const std::vector<std::size_t> sequence{0, 1, 2, 0, 1, 2, 0, 1, 2}, session{0, 0, 0, 1, 1, 1, 2, 2, 2};
-  const auto variance = [&](const std::vector<double>& off) {
-    return between_folds(measured(off), sequence, session, {false})[0];
-  };
-  // Student's t of two and of eight, at 90 %.
-  const double t2 = std::pow(2.920 / 1.645, 2), t8 = std::pow(1.860 / 1.645, 2);
-  const double of_mean = 1.0 / 3.0;  // of three that are 1 off, right and 1 off to the other side
-  EXPECT_NEAR(variance({-1, -1, -1, 0, 0, 0, 1, 1, 1}), t2 * of_mean, 1e-3) << "sessions differ";
-  EXPECT_NEAR(variance({-1, 0, 1, -1, 0, 1, -1, 0, 1}), t2 * of_mean, 1e-3) << "sequences differ";
-  // Both do: 12 squares of trials, of a mean of nine.
-  EXPECT_NEAR(variance({-2, -1, 0, -1, 0, 1, 0, 1, 2}), 2.0 * t2 * of_mean - t8 * 12.0 / (9.0 * 8.0), 2e-3);
+  // Both differ: 12 squares of trials, of a mean of nine; of the means of three, two squares of one.
+  const Spreads spreads = between_folds(measured({-2, -1, 0, -1, 0, 1, 0, 1, 2}), sequence, session, {false});
+  EXPECT_NEAR(spreads.by_sequence.variance[0], 1.0 / 3.0, 1e-3);
+  EXPECT_NEAR(spreads.by_session.variance[0], 1.0 / 3.0, 1e-3);
+  EXPECT_NEAR(spreads.by_both.variance[0], 12.0 / (9.0 * 8.0), 1e-3);
+  EXPECT_NEAR(spreads.by_sequence.freedom[0], 2.0, 1e-9);
+  EXPECT_NEAR(spreads.by_both.freedom[0], 8.0, 1e-9);
+  const Spreads sessions =
+      between_folds(measured({-1, -1, -1, 0, 0, 0, 1, 1, 1}), sequence, session, {false});
+  EXPECT_NEAR(sessions.by_sequence.variance[0], 0.0, 1e-9);
+  EXPECT_NEAR(sessions.by_session.variance[0], 1.0 / 3.0, 1e-3);
 }
 
-TEST(BetweenFolds, SessionsOfTheirOwnSequencesAreTheSessionsAlone) {
-  const std::vector<double> off{-1, -1, 0, 0, 1, 1};
-  const Linearised at = measured(off);
-  const double t2 = std::pow(2.920 / 1.645, 2);
-  EXPECT_NEAR(between_folds(at, {0, 1, 2, 3, 4, 5}, {0, 0, 1, 1, 2, 2}, {false})[0], t2 / 3.0, 1e-3);
-  // Two sequences are too few to be compared, two sessions too.
-  EXPECT_NEAR(between_folds(at, {0, 1, 0, 1, 0, 1}, {0, 0, 1, 1, 2, 2}, {false})[0], t2 / 3.0, 1e-3);
-  EXPECT_EQ(between_folds(at, {0, 1, 0, 1, 0, 1}, {0, 0, 0, 1, 1, 1}, {false}).size(), 0);
+TEST(BetweenFolds, TwoSequencesOrSessionsAreTooFew) {
+  const Linearised at = measured({-1, -1, 0, 0, 1, 1});
+  const Spreads sessions = between_folds(at, {0, 1, 0, 1, 0, 1}, {0, 0, 1, 1, 2, 2}, {false});
+  EXPECT_EQ(sessions.by_sequence.variance.size(), 0);
+  EXPECT_NEAR(sessions.by_session.variance[0], 1.0 / 3.0, 1e-3);
+  const Spreads neither = between_folds(at, {0, 1, 0, 1, 0, 1}, {0, 0, 0, 1, 1, 1}, {false});
+  EXPECT_EQ(neither.by_sequence.variance.size() + neither.by_session.variance.size(), 0);
 }
 
 TEST(BetweenFolds, TrialsOfOneSequenceAreComparedOneByOne) {
-  const std::vector<double> off{-1, 0, 1, 0};
-  const double t3 = std::pow(2.353 / 1.645, 2);
-  EXPECT_NEAR(between_folds(measured(off), {0, 0, 0, 0}, {0, 0, 0, 0}, {false})[0], t3 * 2.0 / (4.0 * 3.0),
-              1e-3);
+  const Spread spread =
+      between_folds(measured({-1, 0, 1, 0}), {0, 0, 0, 0}, {0, 0, 0, 0}, {false}).by_sequence;
+  EXPECT_NEAR(spread.variance[0], 2.0 / (4.0 * 3.0), 1e-3);
+  EXPECT_NEAR(spread.freedom[0], 3.0, 1e-9);
 }
 
 /// Residuals of bodies, m, by a function of the instant; the noise is white, so less in longer means.
