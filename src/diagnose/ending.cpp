@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -59,6 +60,43 @@ bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::siz
   return dropped;
 }
 
+/// Two effects of the model that are each doubtful because the other can do what it does.
+using Pair = std::pair<std::size_t, std::size_t>;
+std::optional<Pair> doing_the_same(const Linearised& at, const Doubt& doubt) {
+  const auto correlation = [&](std::size_t one, std::size_t other) {
+    double most = 0.0;
+    for (const Eigen::Index i : rows_of_sizes(at, one)) {
+      for (const Eigen::Index j : rows_of_sizes(at, other))
+        most = std::max(most, std::abs(doubt.covariance(i, j)) /
+                                  std::sqrt(doubt.covariance(i, i) * doubt.covariance(j, j)));
+    }
+    return most;
+  };
+  for (std::size_t e = 0; e < doubt.still_there.size(); ++e) {
+    for (std::size_t f = 0; f < e; ++f) {
+      if (std::max(doubt.still_there[e], doubt.still_there[f]) < kPolicy.posterior.named &&
+          correlation(e, f) > kPolicy.selection.rival_cosine)
+        return Pair{e, f};
+    }
+  }
+  return std::nullopt;
+}
+
+/// Takes the one out again without which the trials are predicted better; it is a rival of the one that
+/// stays.
+void keep_one(JointModel& model, Standing& current, Selection& selection, Pair pair) {
+  Standing without_first = refit_without(model, current, pair.first);
+  Standing without_second = refit_without(model, current, pair.second);
+  if (without_first.unseen.total_chi2 > without_second.unseen.total_chi2) {
+    std::swap(pair.first, pair.second);
+    std::swap(without_first, without_second);
+  }
+  selection.rounds[selection.round_of[pair.second]].rivals.push_back(
+      current.fit.at.effects[pair.first].effect);
+  current = standing_on(model, without_first.fit);
+  selection.round_of.erase(selection.round_of.begin() + static_cast<std::ptrdiff_t>(pair.first));
+}
+
 /// How sure all of the model is.
 /// @param of_all the posterior about this model
 /// @param selection that came to it
@@ -102,6 +140,11 @@ Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& s
     of_all = posterior_of(model, current, last, options.jobs);
   for (;;) {
     selection.doubt = doubt_in(model, current, of_all, options, selection);
+    if (const std::optional<Pair> pair = doing_the_same(current.fit, selection.doubt)) {
+      keep_one(model, current, selection, *pair);
+      of_all = posterior_of(model, current, last, options.jobs);
+      continue;
+    }
     if (current.fit.at.effects.empty()) return {of_all.background, selection.baseline_unseen};
     Unseen unseen = refitted_unseen(model, current.fit);
     if (unseen.total_rms_m < selection.baseline_unseen.total_rms_m)

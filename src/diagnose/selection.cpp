@@ -92,6 +92,13 @@ Round look(JointModel& model, Standing& current, bool first, bool refits, bool m
   return round;
 }
 
+/// However little is left, what is certain to be there is not left out.
+bool is_any_certain(const Round& round) {
+  return std::any_of(round.screened.begin(), round.screened.end(), [&](const Screened& s) {
+    return round.posterior.of(s.effect) >= kPolicy.posterior.certain;
+  });
+}
+
 /// Takes what is as good as certain beside the round's best, each after a fit of its own.
 /// @param before effects of the model before the round
 /// @param taken called with each of them: a round of its own
@@ -140,8 +147,14 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
   KnownSignatures signatures;
   for (bool taken = true; taken;) {
     const std::size_t n = selection.round_of.size();
-    Round round = look(model, current, n == 0, n < most_effects(model, current, options), true,
-                       n == 0 && delayed ? &*delayed : nullptr, signatures, options, progress);
+    const auto look_here = [&](bool refits) {
+      return look(model, current, n == 0, refits, true, n == 0 && delayed ? &*delayed : nullptr, signatures,
+                  options, progress);
+    };
+    const bool refits = n < most_effects(model, current, options);
+    Round round = look_here(refits);
+    if (!refits && n < static_cast<std::size_t>(std::max(0, options.most_effects)) && is_any_certain(round))
+      round = look_here(true);
     if (round.anew && n == 0) {
       selection.baseline_unseen = refitted_unseen(model, current.fit);
       selection.baseline = current.fit;
