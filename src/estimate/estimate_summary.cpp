@@ -74,7 +74,10 @@ std::string words_of(WhyNot why, const std::string& remedy) {
 }  // namespace
 
 EstimateSummary::EstimateSummary(const arm::Arm& arm)
-    : set_aside_(arm.bodies.size(), 0), segments_(arm.segments.size()) {
+    : set_aside_(arm.bodies.size(), 0),
+      too_far_(arm.bodies.size()),
+      length_m_(arm.total_length_m()),
+      segments_(arm.segments.size()) {
   const arm::Method method = arm.estimator.method;
   const bool arcs = method == arm::Method::kCcPoints || method == arm::Method::kCcEndpoint;
   payload_known_ = arcs || arm.estimator.unknown == arm::Unknown::kStiffness;
@@ -88,6 +91,10 @@ void EstimateSummary::add(const Estimate& e) {
   if (frames_ == 0) first_stamp_s_ = e.stamp_s;
   last_stamp_s_ = e.stamp_s;
   ++frames_;
+  for (const BodyTooFar& far : e.too_far) {
+    TooFar& body = too_far_.at(static_cast<std::size_t>(far.body));
+    if (++body.frames == 1) body.first_m = far.distance_m;
+  }
   if (e.status != Status::kOk) {
     Refused& refused = not_ok_[to_string(e.status)];
     if (++refused.count == 1) refused.detail = e.detail;
@@ -150,6 +157,15 @@ std::string EstimateSummary::text(const std::map<std::string, std::uint64_t>& re
     table.line("set aside",
                fmt::format("{} in {} frames ({:.0f} %){}", body_names_[i], set_aside_[i], 100.0 * share,
                            share > 0.5 ? "; is its arclength_m right, has the ring slipped?" : ""));
+  }
+  for (std::size_t i = 0; i < too_far_.size(); ++i) {
+    const TooFar& far = too_far_[i];
+    if (far.frames == 0) continue;
+    table.line("too far", fmt::format("{} in {} frames ({:.0f} %), at first {:.3g} m from the base of an arm "
+                                      "of {:.3g} m; is it another body, are the units right?",
+                                      body_names_[i], far.frames,
+                                      100.0 * static_cast<double>(far.frames) / static_cast<double>(frames_),
+                                      far.first_m, length_m_));
   }
   table.median("rms residual, median", rms_residual_m_, 1e3, "mm");
   table.median("reduced chi-square, median", reduced_chi_square_, 1.0,

@@ -38,6 +38,10 @@ class EstimateSummary {
     std::uint64_t count = 0;
     std::string detail = {};  // of the first
   };
+  struct TooFar {
+    std::uint64_t frames = 0;
+    double first_m = 0.0;  // from the base, in the first of them
+  };
   struct Segment {
     std::string name = {};
     std::vector<double> bending_stiffness_nm2, identifiable_bending_stiffness_nm2, moment_nm, length_m;
@@ -48,6 +52,8 @@ class EstimateSummary {
   std::string remedy_;  // where EI is not identifiable: by the options in force
   std::vector<std::string> body_names_;
   std::vector<std::uint64_t> set_aside_;  // frames ok without the body, an outlier
+  std::vector<TooFar> too_far_;           // of each body
+  double length_m_;                       // of the arm
   std::vector<Segment> segments_;
   std::vector<double> payload_kg_, identifiable_payload_kg_, rms_residual_m_, tip_angle_rad_,
       reduced_chi_square_;

@@ -179,6 +179,7 @@ void Estimator::Impl::clear(const trial::Frame& frame) {
   estimate.identifiable_payload = false;
   estimate.backbone.clear();
   estimate.residuals.clear();
+  estimate.too_far.clear();
   estimate.rms_residual_m = estimate.reduced_chi_square = 0.0;
   estimate.degrees_of_freedom = 0;
   estimate.solver = SolverSummary();
@@ -243,7 +244,8 @@ bool Estimator::Impl::observe(const trial::Frame& frame) {
       o.p = to_base * seen.p_mocap;
     }
     if (!(o.p.norm() < kPolicy.bodies.far * arm.total_length_m())) {
-      far.push_back(fmt::format("'{}' is {:.3g} m from the base", body.name, o.p.stableNorm()));
+      const double distance_m = o.p.stableNorm();
+      if (std::isfinite(distance_m)) estimate.too_far.push_back({seen.body, distance_m});
       absurd = true;
       continue;
     }
@@ -254,23 +256,28 @@ bool Estimator::Impl::observe(const trial::Frame& frame) {
   const std::size_t fewest = ends ? arm.segments.size() : 1;
   if (observations.size() < fewest ||
       (!ends && alone && observations.size() * 3 < arm.segments.size() * 3 + 1)) {
-    std::string detail = fmt::format("{} of {} bodies can be used", observations.size(), arm.bodies.size());
-    for (const std::string& body : far) detail += "; " + body;
-    if (!far.empty())
-      detail += fmt::format(", too far for an arm of {:.3g} m: {}", arm.total_length_m(), kUnitsHint);
-    far.clear();
-    fail(absurd && observations.empty() ? Status::kInvalidInput : Status::kNotEnoughBodies, detail);
+    fail(absurd && observations.empty() ? Status::kInvalidInput : Status::kNotEnoughBodies,
+         fmt::format("{} of {} bodies can be used{}", observations.size(), arm.bodies.size(),
+                     too_far_words()));
     return false;
   }
-  far.clear();
   if (!ends && alone && !enough_beyond_every_joint()) {
     fail(Status::kNotEnoughBodies,
          fmt::format("{} bodies, but too few towards the tip for the curvature and length "
-                     "of every segment",
-                     observations.size()));
+                     "of every segment{}",
+                     observations.size(), too_far_words()));
     return false;
   }
   return true;
+}
+
+std::string Estimator::Impl::too_far_words() const {
+  std::string words;
+  for (const BodyTooFar& far : estimate.too_far)
+    words += fmt::format("; '{}' is {:.3g} m from the base",
+                         arm.bodies[static_cast<std::size_t>(far.body)].name, far.distance_m);
+  if (words.empty()) return words;
+  return words + fmt::format(", too far for an arm of {:.3g} m: {}", arm.total_length_m(), kUnitsHint);
 }
 
 bool Estimator::Impl::enough_beyond_every_joint() const {

@@ -37,6 +37,8 @@ struct Estimator::Impl {
   bool place_base(const trial::Frame& frame);
   std::vector<int> end_bodies() const;
   bool observe(const trial::Frame& frame);
+  /// For the detail of a refusal: the bodies that are too far from the base; empty if none is.
+  std::string too_far_words() const;
   /// Each segment has three unknowns of shape, each body three coordinates: from every joint to the tip there
   /// must be as many bodies as segments.
   bool enough_beyond_every_joint() const;
@@ -191,7 +193,6 @@ struct Estimator::Impl {
   int backbone_points = 41;
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();
   bool base_seen = false;
-  std::vector<std::string> far;
   std::optional<double> payload_known;
   std::vector<std::optional<double>> known_flexibility;
   std::vector<std::optional<double>> start_flexibility;  ///< known, or believed by the laws

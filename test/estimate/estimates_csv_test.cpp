@@ -164,6 +164,24 @@ TEST(EstimateSummary, NamesBodiesThatAreSetAside) {
   EXPECT_THAT(text, Not(HasSubstr("ring_1")));
 }
 
+TEST(EstimateSummary, NamesBodiesThatAreTooFarAndHasThemInNoStatistics) {
+  arm::Arm arm = arm_of(arm::Unknown::kStiffness);
+  arm.segments[0].length_m = 0.2;
+  estimate::EstimateSummary summary(arm), without(arm);
+  for (int i = 0; i < 4; ++i) {
+    estimate::Estimate e = quarter_circle();
+    without.add(e);
+    if (i > 0) e.too_far = {{1, 12.0 + i}};
+    summary.add(e);
+  }
+  const std::string text = summary.text({}, 8), plain = without.text({}, 8);
+  EXPECT_THAT(line_of(text, "too far"),
+              StartsWith("ring_2 in 3 frames (75 %), at first 13 m from the base of an arm of 0.2 m; "));
+  EXPECT_EQ(line_of(plain, "too far"), "");
+  EXPECT_EQ(line_of(text, "set aside"), "");
+  EXPECT_EQ(line_of(text, "rms residual, median"), line_of(plain, "rms residual, median"));
+}
+
 TEST(EstimateSummary, SaysWhatWasKnown) {
   estimate::EstimateSummary stiffness(arm_of(arm::Unknown::kStiffness)),
       payload(arm_of(arm::Unknown::kPayload));

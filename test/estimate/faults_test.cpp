@@ -1,6 +1,7 @@
 // Bodies that are wrong, lost or absurd: a refusal with its reason, or an estimate that does not suffer.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "finite.h"
@@ -164,8 +165,47 @@ TEST(AbsurdNumbers, OfSomeBodiesAreLeftOut) {
       expect_finite(estimate);
       expect_within(estimate, truth, 1.0);
       EXPECT_EQ(estimate.residuals.size(), 3u);
+      const bool is_place = std::isfinite(absurd);
+      ASSERT_EQ(estimate.too_far.size(), is_place ? 1u : 0u);
+      if (!is_place) continue;
+      EXPECT_EQ(estimate.too_far.front().body, static_cast<int>(i));
+      EXPECT_NEAR(estimate.too_far.front().distance_m / absurd, 1.0, 1e-3);
     }
   }
+}
+
+TEST(AbsurdNumbers, ABodyTooFarIsSaidWhetherOrNotTheOthersSuffice) {
+  const arm::Arm arm = two_segment_arm();
+  const Truth truth{{{0.3, 0.8, 0.035, 0.2}, {0.1, 0.2, 0.02, 0.15}}, 0.1, hanging()};
+  const trial::Frame whole = make_frame(arm, truth);
+  estimate::Estimator estimator(arm, with_method(arm::Method::kFullPoints));
+  const double reduced_chi_square = estimator.estimate(whole).reduced_chi_square;
+  EXPECT_TRUE(estimator.estimate(whole).too_far.empty());
+
+  trial::Frame frame = whole;
+  frame.bodies[1].p_mocap.x() += 12.0;
+  const estimate::Estimate& one = estimator.estimate(frame);
+  expect_finite(one);
+  ASSERT_EQ(one.status, estimate::Status::kOk) << one.detail;
+  ASSERT_EQ(one.too_far.size(), 1u);
+  EXPECT_EQ(one.too_far.front().body, 1);
+  EXPECT_NEAR(one.too_far.front().distance_m, 12.0, 0.3);
+  // No statistics have it in them.
+  EXPECT_EQ(one.residuals.size(), 5u);
+  for (const estimate::BodyResidual& r : one.residuals) EXPECT_TRUE(r.used && r.body != 1);
+  EXPECT_LT(one.rms_residual_m, 1e-3);
+  EXPECT_LT(one.reduced_chi_square, reduced_chi_square + 1.0);
+
+  for (std::size_t i = 3; i < 6; ++i) frame.bodies[i].p_mocap.x() += 12.0;  // the whole distal segment
+  frame.bodies[1] = whole.bodies[1];
+  const estimate::Estimate& refused = estimator.estimate(frame);
+  EXPECT_EQ(refused.status, estimate::Status::kNotEnoughBodies);
+  EXPECT_EQ(refused.too_far.size(), 3u);
+  EXPECT_NE(refused.detail.find("too few towards the tip"), std::string::npos) << refused.detail;
+  for (const char* words :
+       {"'ring_4' is 12", "'ring_6' is 12", " m from the base, too far for an arm of 0.35 m"})
+    EXPECT_NE(refused.detail.find(words), std::string::npos) << refused.detail;
+  EXPECT_TRUE(estimator.estimate(whole).too_far.empty());
 }
 
 TEST(AbsurdNumbers, OfAllBodiesAreRefused) {

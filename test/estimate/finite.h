@@ -42,6 +42,7 @@ inline void expect_finite(const estimate::Estimate& e) {
   for (const estimate::BodyResidual& r : e.residuals) {
     EXPECT_TRUE(r.measured_base.allFinite() && r.estimated_base.allFinite());
   }
+  for (const estimate::BodyTooFar& far : e.too_far) number(far.distance_m, "too_far.distance_m");
   number(e.rms_residual_m, "rms_residual_m");
   number(e.reduced_chi_square, "reduced_chi_square");
   number(e.solver.initial_cost, "solver.initial_cost");

@@ -74,6 +74,12 @@ struct BodyResidual {
   bool used = true;  ///< false: set aside as an outlier
 };
 
+/// A body that was seen where no body of this arm can be: the frame is estimated without it.
+struct BodyTooFar {
+  int body = 0;
+  double distance_m = 0.0;  ///< from the base of the rod
+};
+
 struct SolverSummary {
   int iterations = 0;
   int rod_solves = 0;
@@ -98,6 +104,8 @@ struct Estimate {
   Eigen::Isometry3d base_in_mocap = Eigen::Isometry3d::Identity();  ///< rod base frame
   std::vector<BackbonePoint> backbone;
   std::vector<BodyResidual> residuals;
+  /// Not among the residuals: who plots them, or looks for slipped rings in them, has no use for such places.
+  std::vector<BodyTooFar> too_far;
   double rms_residual_m = 0.0;      ///< root mean square distance over the bodies used
   double reduced_chi_square = 0.0;  ///< chi-square per degree of freedom against the stated noise
   int degrees_of_freedom = 0;
