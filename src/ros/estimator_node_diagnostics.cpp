@@ -161,6 +161,7 @@ void EstimatorNode::diagnose_inputs(DiagnosticStatusWrapper& status) {
 
 void EstimatorNode::diagnose_bodies(DiagnosticStatusWrapper& status) {
   const std::optional<double> newest = assembler_.newest_s();
+  const std::map<std::string, double>& too_far_m = statistics_.period.too_far_m;
   std::string lost;
   std::size_t seen = 0;
   const auto indices = body_indices(params_.arm);
@@ -172,6 +173,10 @@ void EstimatorNode::diagnose_bodies(DiagnosticStatusWrapper& status) {
       state = age_s > kLostAfter_s ? fmt::format("lost for {:.1f} s", age_s) : "seen";
       seen += age_s <= kLostAfter_s;
     }
+    const auto far = too_far_m.find(name);
+    if (state == "seen" && far != too_far_m.end())
+      state = fmt::format("{:.3g} m from the base, too far for an arm of {:.3g} m", far->second,
+                          params_.arm.total_length_m());
     status.add("body " + name, state);
     if (state != "seen") lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", name, state);
   }

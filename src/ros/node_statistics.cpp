@@ -9,6 +9,8 @@ void NodeStatistics::add(const estimate::Estimate& estimate, double latency_s, d
   ++period.frames;
   period.latency_s.push_back(latency_s);
   period.solve_time_s.push_back(solve_time_s);
+  for (const estimate::BodyTooFar& far : estimate.too_far)
+    period.too_far_m[body_names.at(static_cast<std::size_t>(far.body))] = far.distance_m;
   if (estimate.status != estimate::Status::kOk) {
     ++refused[to_string(estimate.status)];
     ++period.refused[to_string(estimate.status)];

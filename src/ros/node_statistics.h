@@ -30,7 +30,8 @@ struct NodeStatistics {
                   outliers = 0;
     double final_cost = 0.0;
     std::map<std::string, std::uint64_t> set_aside;  ///< estimates without this body, an outlier
-    std::string worst_body;  ///< body with the largest residual of the newest estimate
+    std::map<std::string, double> too_far_m;  ///< bodies too far from the base to be used: how far at last
+    std::string worst_body;                   ///< body with the largest residual of the newest estimate
     double worst_residual_m = 0.0;
     /// Bodies that were outliers in most of the estimates: not bad luck, but a wrong arm file or ring.
     std::vector<std::string> mostly_set_aside() const;

@@ -311,6 +311,31 @@ class Faults(unittest.TestCase):
         self.assertNotIn("two publishers", self.listener.task("inputs").message)
         self.assertEqual(self.listener.value("frames", "messages lost on their way"), lost)
 
+    def test_q_a_body_too_far_to_be_this_arms(self):
+        def fault(body, k, m):
+            if body == "ring_3":
+                m.pose.position.y += 12.0  # for ever, so no jump: another body has its name
+            return m
+
+        before = self.listener.count()
+        feeding = threading.Thread(target=self.feeder.feed, args=(720,), kwargs={"fault": fault})
+        feeding.start()
+        said = self.listener.wait(lambda: "ring_3 12 m from the base, too far for an arm of 0.2 m" in
+                                  self.listener.task("inputs").message, 4.0)
+        task = self.listener.task("inputs")
+        feeding.join()
+        self.assertTrue(said, task.message)
+        self.assertEqual(task.level, DiagnosticStatus.WARN)
+        self.listener.wait(lambda: self.listener.count() >= before + 720, 10.0)
+        estimates = self.listener.since(before)
+        self.assert_mostly_ok(estimates, 710)
+        self.assertNotIn("ring_3", estimates[-1].body_names)
+        self.assertLess(estimates[-1].rms_residual, 1e-3)
+        self.feed(480)
+        self.listener.fresh()
+        self.assertNotIn("too far", self.listener.task("inputs").message)
+        self.assertEqual(self.listener.value("inputs", "body ring_3"), "seen")
+
 
 if __name__ == "__main__":
     rostest.rosrun("softarm_estimator", "estimator_node_faults", Faults, sys.argv)
