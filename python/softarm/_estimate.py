@@ -32,7 +32,8 @@ class Estimates:
     Shapes in the rod's base frame: ``tip_p_base_m`` (n, 3), ``backbone_p_base_m`` and ``backbone_curvature_per_m`` (n, p, 3),
     ``bodies_measured_base_m`` and ``bodies_estimated_base_m`` (n, b, 3).
     ``mismatch``: :class:`Mismatch`, what the live monitor says at every frame; ``alarms``: sudden changes that it found, as in
-    the summary. ``summary``: the table that ``softarm estimate`` prints. ``warnings``: topics that the recording lacks.
+    the summary. ``summary``: the table that ``softarm estimate`` prints. ``warnings``: topics that the recording lacks, or of
+    which messages cannot be read.
 
     NaN: neither estimated nor known; of a standard deviation: known, or not determined.
     """

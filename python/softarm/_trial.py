@@ -39,7 +39,7 @@ class Trial:
 
     @property
     def warnings(self) -> List[str]:
-        """Topics of the arm that the recording lacks, a line each."""
+        """Topics of the arm that the recording lacks, or of which messages cannot be read, a line each."""
         return self._handle.warnings
 
     @property

@@ -69,15 +69,16 @@ InputTopic make_any_input_topic(const std::string& topic, const std::string& typ
   input.feeds = feeds;
   const auto decoder = std::make_shared<Decoder>(type);
   input.read = [=](const BagMessage& message, trial::FrameAssembler& assembler) {
-    if (message.type != type) return false;
+    if (message.type != type) return BagReading::kOtherDefinition;
     assembler.begin_message(topic, feeds);
     try {
       convert(decoder->decode(message.bytes, message.md5, message.definition), to_stamp(message.time),
               assembler);
     } catch (const SchemaError&) {
       assembler.count_rejected("undecodable", feeds);
+      return BagReading::kUndecodable;
     }
-    return true;
+    return BagReading::kAdded;
   };
   input.subscribe = [=](ros::NodeHandle& nh, trial::FrameAssembler& assembler, OnMessage on_message) {
     using Event = ros::MessageEvent<topic_tools::ShapeShifter const>;

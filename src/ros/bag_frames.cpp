@@ -32,6 +32,46 @@ std::string instead_of(const InputTopic& topic, const std::string& type, const s
       type, *md5s.begin(), topic.md5);
 }
 
+/// What became of the messages of one of the arm's topics.
+struct TopicReading {
+  const InputTopic* topic;
+  std::uint64_t added = 0, undecodable = 0;
+  double first_undecodable_s = 0.0;  // since the first message
+};
+
+void read_into(trial::FrameAssembler& assembler, const BagMessage& message, double t_s,
+               TopicReading& reading) {
+  switch (reading.topic->read(message, assembler)) {
+    case BagReading::kAdded:
+      ++reading.added;
+      break;
+    case BagReading::kOtherDefinition:  // of several publishers one may have it so
+      if (reading.topic->has_type(message.type))
+        assembler.count_rejected("other_definition", reading.topic->feeds);
+      break;
+    case BagReading::kUndecodable:
+      if (++reading.undecodable == 1) reading.first_undecodable_s = t_s;
+      break;
+  }
+}
+
+/// For people, of a topic of which messages cannot be read.
+/// @throws BagError where that is every one. A type that is not known here is read by the definition that
+/// comes along, which may itself be wrong: of such a topic it is only said.
+std::string words_of_undecodable(const std::string& path, const TopicReading& reading) {
+  const InputTopic& topic = *reading.topic;
+  if (reading.added == 0 && !topic.md5.empty())
+    throw BagError(fmt::format(
+        "{}: damaged: not one of {} messages of topic {} ({}) can be read: copy the bag again, or record it "
+        "again",
+        path, reading.undecodable, topic.topic, topic.feeds));
+  return fmt::format(
+      "{}: {} of {} messages of topic {} ({}) cannot be read and are left out, the first at {:.1f} s: "
+      "damaged, or of another version of their driver",
+      path, reading.undecodable, reading.added + reading.undecodable, topic.topic, topic.feeds,
+      reading.first_undecodable_s);
+}
+
 }  // namespace
 
 BagFrames::BagFrames(const std::string& path, const arm::Arm& arm, bool use_payload)
@@ -111,20 +151,19 @@ void BagFrames::deliver(const Callbacks& callbacks) {
 
 void BagFrames::read(const Callbacks& callbacks) {
   // Two sources may share a topic: base and rings on /tf, under frames of their own.
-  std::map<std::string, std::vector<const InputTopic*>> by_topic;
-  for (const InputTopic& topic : topics_) by_topic[absolute_topic(topic.topic)].push_back(&topic);
+  std::map<std::string, std::vector<TopicReading>> by_topic;
+  for (const InputTopic& topic : topics_)
+    by_topic[absolute_topic(topic.topic)].push_back(TopicReading{&topic});
   std::uint64_t unreported = 0;
   ros::Time recorded;
   try {
     rosbag::View view(*bag_, rosbag::TopicQuery(names_));
+    const double begin_s = view.getBeginTime().toSec();
     for (const rosbag::MessageInstance& instance : view) {
       if (instance.getTime() != std::exchange(recorded, instance.getTime())) deliver(callbacks);
       const BagMessage message = bag_message(instance);
-      for (const InputTopic* topic : by_topic.at(absolute_topic(message.topic))) {
-        // Of several publishers one may have it otherwise.
-        if (!topic->read(message, assembler_) && topic->has_type(message.type))
-          assembler_.count_rejected("other_definition", topic->feeds);
-      }
+      for (TopicReading& reading : by_topic.at(absolute_topic(message.topic)))
+        read_into(assembler_, message, recorded.toSec() - begin_s, reading);
       if (++unreported == kProgressMessages) {
         callbacks.on_messages(unreported);
         unreported = 0;
@@ -132,6 +171,10 @@ void BagFrames::read(const Callbacks& callbacks) {
     }
   } catch (const ros::Exception& e) {
     throw BagError(fmt::format("{}: damaged ({})", path_, e.what()));
+  }
+  for (const auto& [name, readings] : by_topic) {
+    for (const TopicReading& reading : readings)
+      if (reading.undecodable > 0) warnings_.push_back(words_of_undecodable(path_, reading));
   }
   deliver(callbacks);
   assembler_.flush();

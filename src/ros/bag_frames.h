@@ -26,8 +26,8 @@ class BagFrames {
   /// @throws std::invalid_argument where the arm names a type that no adapter reads
   BagFrames(const std::string& path, const arm::Arm& arm, bool use_payload = true);
 
-  /// Topics of the arm that the bag does not have, or has with another type or by another definition of it,
-  /// one line each: the estimates lack them.
+  /// Topics of the arm that the bag does not have, or has with another type or by another definition of it;
+  /// once it is read also those of which messages cannot be read. One line each: the estimates lack them.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// Messages that will be read.
@@ -39,8 +39,9 @@ class BagFrames {
     std::function<void(std::uint64_t)> on_messages;  ///< messages read since the last call
   };
   /// Reads the bag once, from its start to its end. All messages of one record time count before a frame is
-  /// closed: which of them a recorder wrote first is chance.
-  /// @throws BagError where it is damaged
+  /// closed: which of them a recorder wrote first is chance. Messages that cannot be read are left out, and
+  /// said in warnings().
+  /// @throws BagError where the bag itself is damaged, or every message of a topic whose type is known here
   void read(const Callbacks& callbacks);
 
   const trial::FrameAssembler& assembler() const { return assembler_; }

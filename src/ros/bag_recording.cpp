@@ -123,6 +123,24 @@ class Recorder {
   ros::Time recorded_;
 };
 
+/// Counts what became of a message.
+void count_reading(BagReading reading, const BagMessage& message, const InputTopic& topic,
+                   trial::RecordedTopic& recorded) {
+  switch (reading) {
+    case BagReading::kAdded:
+      ++recorded.messages;
+      break;
+    case BagReading::kOtherDefinition:
+      if (!topic.has_type(message.type)) break;
+      ++recorded.unread;
+      recorded.unread_md5 = message.md5;
+      break;
+    case BagReading::kUndecodable:
+      recorded.undecodable_s.push_back(message.time.toSec());
+      break;
+  }
+}
+
 /// What an import says of itself.
 void read_import(const rosbag::Bag& bag, trial::CheckRecording& recording) {
   rosbag::View view(bag,
@@ -171,13 +189,8 @@ trial::CheckRecording read_recording(const std::string& path, const arm::Arm& ar
       const BagMessage message = bag_message(instance);
       recorder.at(message.time);
       for (const std::size_t topic : by_topic.at(absolute_topic(message.topic))) {
-        trial::RecordedTopic& recorded = recording.topics[topic];
-        if (topics[topic].read(message, recorder.assembler())) {
-          ++recorded.messages;
-        } else if (topics[topic].has_type(message.type)) {
-          ++recorded.unread;
-          recorded.unread_md5 = message.md5;
-        }
+        count_reading(topics[topic].read(message, recorder.assembler()), message, topics[topic],
+                      recording.topics[topic]);
       }
       if (++unreported == kMessagesPerProgress) on_messages(std::exchange(unreported, 0));
     }

@@ -11,11 +11,11 @@
 namespace softarm {
 
 /// Reads everything that the arm listens to, through the conversions of the live node; what is missing, of
-/// another type or defined otherwise is said in CheckRecording::topics, not refused. The time of a record is
-/// that of receipt.
+/// another type, defined otherwise or cannot be read is said in CheckRecording::topics, not refused. The time
+/// of a record is that of receipt.
 /// @param on_total called once with the number of messages
 /// @param on_messages called now and then with the messages read since the last call
-/// @throws BagError if it is no complete bag, or is damaged
+/// @throws BagError if it is no complete bag, or is itself damaged
 /// @throws std::invalid_argument where the arm names a type that no adapter reads
 trial::CheckRecording read_recording(const std::string& path, const arm::Arm& arm,
                                      const std::function<void(std::uint64_t)>& on_total,

@@ -31,7 +31,6 @@ BagTrial read_bag_trial(const std::string& path, const arm::Arm& arm, bool use_p
                         const BagTrialHooks& hooks) {
   BagTrial read;
   BagFrames bag(path, arm, use_payload);
-  read.warnings = bag.warnings();
   hooks.on_total(bag.messages());
   std::uint64_t frames = 0;
   std::size_t all_frames = 0;
@@ -47,6 +46,7 @@ BagTrial read_bag_trial(const std::string& path, const arm::Arm& arm, bool use_p
     hooks.on_progress(messages, std::exchange(frames, 0));
   };
   bag.read(callbacks);
+  read.warnings = bag.warnings();
   recorder.add(bag.take_samples());
   read.trial = recorder.take();
   read.rejected = bag.assembler().rejected();

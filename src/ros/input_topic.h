@@ -26,6 +26,13 @@ constexpr std::uint32_t kSubscriberQueue = 1000;
 /// message cannot be read) and the name of the node that published it.
 using OnMessage = std::function<void(const std_msgs::Header*, const std::string&)>;
 
+/// What became of a message of a bag.
+enum class BagReading {
+  kAdded,            ///< it was read; samples that are none are counted as rejected
+  kOtherDefinition,  ///< it was not: it has another type, or its type another definition
+  kUndecodable       ///< its bytes do not fit its definition: counted as rejected, "undecodable <feeds>"
+};
+
 /// A topic, its type, and what to do with its messages.
 struct InputTopic {
   std::string topic;
@@ -39,9 +46,8 @@ struct InputTopic {
   bool has_type(const std::string& name) const {
     return name == type || std::find(other_types.begin(), other_types.end(), name) != other_types.end();
   }
-  /// Adds one message of a bag to the assembler. @return false if the message has another type, or its type
-  /// another definition
-  std::function<bool(const BagMessage&, trial::FrameAssembler&)> read;
+  /// Adds one message of a bag to the assembler.
+  std::function<BagReading(const BagMessage&, trial::FrameAssembler&)> read;
   /// Subscribes; the assembler must outlive the subscriber.
   std::function<ros::Subscriber(ros::NodeHandle&, trial::FrameAssembler&, OnMessage)> subscribe;
 };
@@ -88,11 +94,18 @@ InputTopic make_input_topic(
   input.md5 = ros::message_traits::MD5Sum<Message>::value();
   input.feeds = feeds;
   input.read = [topic, feeds, convert](const BagMessage& in_bag, trial::FrameAssembler& assembler) {
-    const std::unique_ptr<Message> message = read_message<Message>(in_bag);
-    if (!message) return false;
+    std::unique_ptr<Message> message;
+    try {
+      message = read_message<Message>(in_bag);
+    } catch (const ros::Exception&) {
+      assembler.begin_message(topic, feeds);
+      assembler.count_rejected("undecodable", feeds);
+      return BagReading::kUndecodable;
+    }
+    if (!message) return BagReading::kOtherDefinition;
     assembler.begin_message(topic, feeds);
     convert(*message, to_stamp(in_bag.time), assembler);
-    return true;
+    return BagReading::kAdded;
   };
   input.subscribe = [topic, feeds, convert](ros::NodeHandle& nh, trial::FrameAssembler& assembler,
                                             OnMessage on_message) {

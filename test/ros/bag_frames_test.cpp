@@ -1,5 +1,5 @@
-// Bags that several threads open at a time, as `softarm estimate *.bag` does, and messages with false
-// lengths.
+// Bags that several threads open at a time, as `softarm estimate *.bag` does, and messages that are damaged
+// or of other definitions.
 #include "ros/bag_frames.h"
 
 #include <geometry_msgs/PoseStamped.h>
@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/FluidPressure.h>
+#include <std_msgs/Float64.h>
 #include <tf2_msgs/TFMessage.h>
 #include <topic_tools/shape_shifter.h>
 #include <unistd.h>
@@ -92,10 +93,21 @@ TEST(BagMessage, AFalseLengthIsRefusedBeforeThereIsRoomForIt) {
 
 constexpr char kOtherMd5[] = "0123456789abcdef0123456789abcdef";
 
-/// Ten frames of base, two rings and a pressure; what is in `redefined` was defined otherwise.
-void write_trial(drivers::TestBag& bag, const std::set<std::string>& redefined) {
+/// Eight bytes that are said to be a message with a header, which takes more.
+template <class Message>
+void write_damaged(drivers::TestBag& bag, const std::string& topic, double s) {
+  namespace traits = ros::message_traits;
+  bag.write_as(traits::datatype<Message>(), traits::md5sum<Message>(), traits::definition<Message>(), topic,
+               s, std_msgs::Float64());
+}
+
+/// Ten frames of base, two rings and a pressure; what is in `redefined` was defined otherwise, and of what is
+/// in `damaged` no message can be read.
+void write_trial(drivers::TestBag& bag, const std::set<std::string>& redefined,
+                 const std::set<std::string>& damaged = {}) {
   const auto write = [&](const std::string& name, const std::string& topic, double s, const auto& message) {
     using Message = std::decay_t<decltype(message)>;
+    if (damaged.count(name) != 0) return write_damaged<Message>(bag, topic, s);
     if (redefined.count(name) == 0) return bag.write(topic, s, message);
     bag.write_as(ros::message_traits::datatype<Message>(), kOtherMd5, "float64 of_another_version\n", topic,
                  s, message);
@@ -174,6 +186,48 @@ TEST(BagFrames, OfTwoPublishersWithTwoDefinitionsOneIsReadAndTheOtherCounted) {
   EXPECT_TRUE(result.warnings.empty());
   EXPECT_EQ(result.frames.size(), 10u);
   EXPECT_THAT(result.rejected, ::testing::Contains(::testing::Pair("other_definition ring_1", 3u)));
+}
+
+TEST(BagFrames, DamagedMessagesAreLeftOutCountedAndSaidInOneLine) {
+  drivers::TestBag bag;
+  write_trial(bag, {});
+  for (const double s : {0.035, 0.045, 1.26})  // two of them between the frames
+    write_damaged<geometry_msgs::PoseStamped>(bag, "/mocap/ring_1/pose", drivers::kStart_s + s);
+  write_damaged<sensor_msgs::FluidPressure>(bag, "/pressure/chamber_1", drivers::kStart_s + 1.26);
+  const drivers::TestBag::Result result = bag.read(arm_with_a_pressure());
+  EXPECT_THAT(
+      result.warnings,
+      ::testing::ElementsAre(
+          ::testing::HasSubstr(".bag: 3 of 13 messages of topic /mocap/ring_1/pose (ring_1) cannot be read "
+                               "and are left out, the first at 0.0 s: damaged, or of another version of "
+                               "their driver"),
+          ::testing::HasSubstr(
+              ".bag: 1 of 11 messages of topic /pressure/chamber_1 (chamber_1) cannot be read and are left "
+              "out, the first at 1.3 s: ")));
+  EXPECT_THAT(result.rejected, ::testing::Contains(::testing::Pair("undecodable ring_1", 3u)));
+  EXPECT_THAT(result.rejected, ::testing::Contains(::testing::Pair("undecodable chamber_1", 1u)));
+  ASSERT_EQ(result.frames.size(), 10u);
+  for (const trial::Frame& frame : result.frames) {
+    EXPECT_NE(drivers::observed(frame, 0), nullptr);
+    EXPECT_NE(drivers::observed(frame, 1), nullptr);
+    EXPECT_TRUE(frame.inputs.at(0));
+  }
+}
+
+TEST(BagFrames, ATopicOfWhichEveryMessageIsDamagedIsAnErrorInOneLine) {
+  for (const std::string name : {"base", "ring_1", "chamber_1"}) {
+    SCOPED_TRACE(name);
+    drivers::TestBag bag;
+    write_trial(bag, {}, {name});
+    try {
+      bag.read(arm_with_a_pressure());
+      ADD_FAILURE() << "it was read";
+    } catch (const BagError& e) {
+      EXPECT_THAT(e.what(), ::testing::HasSubstr(".bag: damaged: not one of 10 messages of topic /"));
+      EXPECT_THAT(e.what(), ::testing::HasSubstr("(" + name + ") can be read: copy the bag again"));
+      EXPECT_THAT(e.what(), ::testing::Not(::testing::HasSubstr("\n")));
+    }
+  }
 }
 
 }  // namespace

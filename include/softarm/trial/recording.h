@@ -40,6 +40,8 @@ struct RecordedTopic {
   bool is_base = false;      ///< without it there is no estimate at all
   std::uint64_t unread = 0;  ///< messages of that type by another definition than the one known here
   std::string unread_md5 = {};
+  /// When those were received whose bytes do not fit their definition, s; not among `messages`.
+  std::vector<double> undecodable_s = {};
 };
 
 /// Everything that was recorded for an arm.

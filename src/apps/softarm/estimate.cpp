@@ -116,7 +116,6 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
   estimate::Estimator estimator(arm, arm.estimator, effects);
   estimator.set_backbone_points(kBackbonePoints);
   BagFrames bag(job.bag, arm, use_payload);
-  job.warnings = bag.warnings();
   progress.add_total(static_cast<double>(bag.messages()));
 
   const ResultsFolder folder(job.folder);
@@ -146,6 +145,7 @@ void estimate_bag(const arm::Arm& arm, const std::vector<model::Present>& effect
     progress.advance(static_cast<double>(messages), std::exchange(frames, 0));
   };
   bag.read(callbacks);
+  job.warnings = bag.warnings();
   if (summary.frames() == 0) {
     throw Failure(fmt::format("{}: no frame could be put together out of {} samples: {}", job.bag,
                               bag.assembler().samples(), summary.why_none(bag.assembler().rejected())));
