@@ -16,7 +16,10 @@ void say_unknown(Context& context) {
                                   [](const trial::RecordedTopic& t) { return t.of_payload; });
   const bool there = topic != context.recording.topics.end() && !topic->found_type.empty();
   // check_topics has said it
-  if (there && (topic->found_type != topic->type || (topic->unread > 0 && topic->messages == 0))) return;
+  const auto unreadable = [](const trial::RecordedTopic& t) {
+    return t.messages == 0 && (t.unread > 0 || !t.undecodable_s.empty());
+  };
+  if (there && (topic->found_type != topic->type || unreadable(*topic))) return;
   const bool assumed = arm.payload.default_kg.has_value();
   const bool asked = arm.estimator.unknown != arm::Unknown::kStiffness;
   CheckFinding& finding = context.add(

@@ -9,6 +9,7 @@
 #include "arm/body_types.h"
 #include "arm/edit_distance.h"
 #include "context.h"
+#include "policy.h"
 #include "settings.h"
 
 namespace softarm::check {
@@ -211,19 +212,41 @@ void say_other_definition(Context& context, const trial::RecordedTopic& topic, b
       topic.type, topic.of_payload ? "; or estimate with --payload KG" : "");
 }
 
+/// Messages that no estimate can use. Where that is every one, estimates end there, or lack what it feeds.
+void say_undecodable(Context& context, const trial::RecordedTopic& topic) {
+  const std::size_t lost = topic.undecodable_s.size();
+  const std::uint64_t count = topic.messages + lost;
+  CheckFinding& finding =
+      context.add(topic.messages == 0 ? Severity::kSerious : Severity::kWarning, "undecodable", topic.topic,
+                  fmt::format("{} of {} messages cannot be read, as their bytes do not fit their definition "
+                              "({}); they are left out",
+                              lost, count, topic.feeds));
+  finding.figure = static_cast<double>(lost) / static_cast<double>(count);
+  finding.unit = "1";
+  std::vector<double> times_s;
+  for (const double receipt_s : topic.undecodable_s)
+    times_s.push_back(std::max(0.0, receipt_s - context.begin_s));
+  finding.spans = spans_of(times_s, kPolicy.timing.one_stretch_s);
+  finding.remedy = fmt::format(
+      "damaged on their way, or of another version of their driver: copy the recording again, or record it "
+      "again{}",
+      topic.of_payload ? "; or estimate with --payload KG" : "");
+}
+
 void check_topics(Context& context) {
   const auto& topics = context.recording.topics;
   const bool no_body = std::none_of(topics.begin(), topics.end(), [](const trial::RecordedTopic& t) {
     return t.of_bodies && !t.is_base && t.found_type == t.type && t.messages > 0;
   });
   for (const trial::RecordedTopic& topic : topics) {
+    if (!topic.undecodable_s.empty()) say_undecodable(context, topic);
     if (topic.found_type.empty()) {
       say_missing(context, topic, no_body);
     } else if (topic.found_type != topic.type) {
       say_wrong_type(context, topic, no_body);
     } else if (topic.unread > 0) {
       say_other_definition(context, topic, no_body);
-    } else if (topic.messages == 0 && !topic.of_payload) {
+    } else if (topic.messages == 0 && topic.undecodable_s.empty() && !topic.of_payload) {
       context
           .add(topic.is_base ? Severity::kSerious : Severity::kWarning, "empty_topic", topic.topic,
                fmt::format("is announced, but not one message was recorded ({})", topic.feeds))
@@ -240,6 +263,7 @@ Check make_topics() {
           {{"missing_topic", {}},
            {"wrong_type", {}},
            {"other_definition", {}},
+           {"undecodable", {}},
            {"empty_topic", {}},
            {"unused_topic", {}}}};
 }

@@ -135,6 +135,34 @@ TEST_F(Check, APayloadThatWasDefinedOtherwiseIsSeriousWhereItIsNeeded) {
   expect_only("other_definition", check::Severity::kWarning, "/payload");
 }
 
+TEST_F(Check, MessagesThatCannotBeReadAreSaidWithTheirTimes) {
+  recording.topics[1].messages = 1998;
+  recording.topics[1].undecodable_s = {kStart + 3.0, kStart + 12.3};
+  expect_only("undecodable", check::Severity::kWarning, "/mocap/ring_1/pose");
+  const check::CheckReport of_some = report();
+  const check::CheckFinding& finding = *find(of_some, "undecodable");
+  EXPECT_THAT(finding.what, HasSubstr("2 of 2000 messages cannot be read"));
+  EXPECT_DOUBLE_EQ(*finding.figure, 1e-3);
+  ASSERT_EQ(finding.spans.size(), 2u);
+  EXPECT_NEAR(finding.spans[1].from_s, 12.3, 0.1);
+
+  recording = clean();
+  recording.topics[2].messages = 0;
+  recording.topics[2].undecodable_s.assign(2000, kStart);
+  recording.bodies[2].clear();
+  expect("undecodable", check::Severity::kSerious, "/mocap/ring_2/pose");
+  EXPECT_EQ(find(report(), "empty_topic"), nullptr);
+
+  recording = clean();
+  recording.topics[4].messages = 0;
+  recording.topics[4].undecodable_s = {kStart};
+  recording.payload.clear();
+  for (trial::Frame& frame : recording.frames) frame.payload_kg.reset();
+  expect_only("undecodable", check::Severity::kSerious, "/payload");
+  EXPECT_EQ(find(report(), "payload_unknown"), nullptr);  // said once
+  EXPECT_THAT(find(report(), "undecodable")->remedy, HasSubstr("--payload KG"));
+}
+
 TEST_F(Check, ZeroStampsDuplicatesAndGaps) {
   for (int k = 0; k < 100; ++k) recording.bodies[1][at(3) + k].stamp_s = 0.0;
   expect("zero_stamps", check::Severity::kSerious, "ring_1");
