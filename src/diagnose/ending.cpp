@@ -91,8 +91,9 @@ void keep_one(JointModel& model, Standing& current, Selection& selection, Pair p
     std::swap(pair.first, pair.second);
     std::swap(without_first, without_second);
   }
-  selection.rounds[selection.round_of[pair.second]].rivals.push_back(
-      current.fit.at.effects[pair.first].effect);
+  EffectList& rivals = selection.rounds[selection.round_of[pair.second]].rivals;
+  const model::Effect* gone = current.fit.at.effects[pair.first].effect;
+  if (std::find(rivals.begin(), rivals.end(), gone) == rivals.end()) rivals.push_back(gone);
   current = standing_on(model, without_first.fit);
   selection.round_of.erase(selection.round_of.begin() + static_cast<std::ptrdiff_t>(pair.first));
 }

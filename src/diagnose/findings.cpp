@@ -74,7 +74,8 @@ std::vector<NamedEffect> named_effects(JointModel& model, const Selection& selec
       const bool beside =
           std::any_of(selection.extended.at.effects.begin(), selection.extended.at.effects.end(),
                       [&](const Present& one) { return one.effect == other; });
-      if (!beside) named.confusable_with.push_back(other->info().id);
+      const bool known = std::find(round.rivals.begin(), round.rivals.end(), other) != round.rivals.end();
+      if (!beside && !known) named.confusable_with.push_back(other->info().id);
     }
     list.push_back(std::move(named));
   }
