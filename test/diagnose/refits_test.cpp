@@ -425,6 +425,25 @@ TEST(Ending, WhatPredictsUnseenTrialsWorseIsTakenOutAgainAndWhatIsThereStays) {
   EXPECT_GT(worse, 0) << "nothing was tried that predicts worse";
 }
 
+TEST(Ending, OfTwoEffectsThatDoTheSameOneStaysWithTheOtherAsItsRival) {
+  const testing::RecordedCase drawn = testing::recorded_case(
+      "{count_weights: [0, 1], from: [pressure_stiffening], size: [0.5, 0.8]}", 5, 4, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  Extended extended(looked, "pressure_stiffening");
+  Started again(looked);
+  Refitted both = refit(looked.model, extended.current, again.of("radial_expansion"));
+  ASSERT_EQ(both.fit.at.effects.size(), 2u);
+  extended.current = standing_on(looked.model, both.fit);
+  // As if each had been taken in a round of its own.
+  extended.selection.rounds.push_back(extended.selection.rounds.front());
+  extended.selection.rounds.back().posterior = posterior_of(looked.model, extended.current, again.round, 0);
+  extended.selection.round_of = {0, 1};
+  end_with_what_predicts(looked.model, extended.current, extended.selection, {});
+  ASSERT_EQ(extended.current.fit.at.effects.size(), 1u);
+  ASSERT_EQ(extended.selection.round_of.size(), 1u);
+  EXPECT_GT(extended.selection.doubt.still_there.front(), 0.9);
+}
+
 /// Steps of the fit are in these scales.
 TEST(JointModel, AConstantOfNothingHasAScale) {
   arm::Arm arm = arm::load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/cable_235mm.yaml");

@@ -204,7 +204,7 @@ void add_diagnose(CLI::App& program) {
        "constants that have one value in all segments: '*.bending_stiffness.base' of segments of one make");
   command
       ->add_option("--most-effects", options->diagnosis.most_effects,
-                   "most effects in one verdict; more than 4 only where much is left")
+                   "most effects in one verdict; more than 4 only where much is left, or another is certain")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
   command
