@@ -291,6 +291,11 @@ def true_numbers(effect, truth):
     return {symbol: value / ratio ** POWER_OF_FORCE.get(symbol, 0) for symbol, value in true_parameters(effect, LENGTH_M).items()}
 
 
+def interval_of(number):
+    """The 90 % interval of a number of a report; None of one that its fits hold, which has none."""
+    return (number["low"], number["high"]) if number.get("fitted", True) else None
+
+
 def sizes(result):
     """Relative errors and hits of the 90 % intervals of the effects that were named rightly."""
     errors, hits, places = [], [], []
@@ -304,7 +309,8 @@ def sizes(result):
             if norm > 0.0:
                 off = [named["parameters"][symbol]["value"] - value for symbol, value in true.items()]
                 errors.append(math.sqrt(sum(x * x for x in off)) / norm)
-                hits += [named["parameters"][s]["low"] <= value <= named["parameters"][s]["high"] for s, value in true.items()]
+                intervals = [(interval_of(named["parameters"][symbol]), value) for symbol, value in true.items()]
+                hits += [interval[0] <= value <= interval[1] for interval, value in intervals if interval]
             place, said = true_place_m(effect, LENGTH_M), said_place_m(named)
             if place is not None and said is not None:
                 places.append(abs(said - place))
@@ -319,12 +325,13 @@ def ranks(result):
     for effect in everything(result["truth"]):
         numbers = next((said[name]["parameters"] for name in names_of(effect) if name in said), {})
         for symbol, true in true_numbers(effect, result["truth"]).items():
-            if symbol not in numbers:
+            interval = interval_of(numbers[symbol]) if symbol in numbers else None
+            if interval is None:
                 continue
-            number = numbers[symbol]
-            far = number["high"] - number["value"] if true > number["value"] else number["value"] - number["low"]
+            value = numbers[symbol]["value"]
+            far = interval[1] - value if true > value else value - interval[0]
             if far > 0.0:
-                z = INTERVAL_SD * (true - number["value"]) / far
+                z = INTERVAL_SD * (true - value) / far
                 found.append(0.5 * (1.0 + math.erf(z / math.sqrt(2.0))))
     return found
 

@@ -201,6 +201,18 @@ class Figures(unittest.TestCase):
             self.assertAlmostEqual(score.ranks(result("untidy_none", hidden, said))[0], rank, places=3)
         self.assertEqual(score.ranks(result("untidy_none", hidden, report("consistent"))), [])
 
+    def test_a_number_that_was_not_fitted_has_no_interval(self):
+        hidden = truth(effect("contact", parameters={"stiffness_n_per_m": 100.0, "extent_m": 0.02}))
+        held = {"value": 0.03, "unit": "m", "fitted": False}
+        fitted = {"value": 110.0, "low": 90.0, "high": 130.0, "unit": "N/m"}
+        for numbers, hits in (({"stiffness_n_per_m": fitted, "extent_m": held}, [True]), ({"extent_m": held}, [])):
+            case = result("untidy_single", hidden, report("explained", named("contact", parameters=numbers)))
+            errors, found, _ = score.sizes(case)
+            self.assertAlmostEqual(errors[0], 0.1 if hits else 0.5, places=3)  # what it says of the size counts
+            self.assertEqual(found, hits)
+            self.assertEqual(len(score.ranks(case)), len(hits))
+            self.assertEqual(prove_figures.figures([case])["interval_coverage"], 1.0 if hits else None)
+
     def test_an_arm_of_another_mass_is_payloads_told_wrong(self):
         said = report("explained", named("payload_scale", parameters={"share": {"value": -0.04, "low": -0.05, "high": -0.03}}))
         for ratio, right in ((0.96, True), (1.0, False)):
