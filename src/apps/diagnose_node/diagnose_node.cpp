@@ -42,6 +42,7 @@ DiagnoseNode::DiagnoseNode(const ros::NodeHandle& nh, const ros::NodeHandle& pri
       private_nh_(private_nh),
       params_(params),
       recent_(params.keep_s, static_cast<std::size_t>(1e6 * params.most_mb)),
+      alarm_wait_(params.alarm_wait_s),
       updater_(nh_, private_nh_, ros::this_node::getName()) {
   // By the names that the program looks for, wherever remapping and namespace take them from. Base and rings
   // may come on one topic: its messages are kept once.
@@ -88,11 +89,8 @@ void DiagnoseNode::work() {
     bool due = false;
     {
       const std::lock_guard<std::mutex> lock(state_mutex_);
-      due = alarm_at_ && (ros::WallTime::now() - *alarm_at_).toSec() >= params_.alarm_wait_s;
-      if (due) {
-        alarm_at_.reset();
-        last_alarm_run_ = ros::WallTime::now();
-      }
+      due = alarm_wait_.over(ros::Time::now(), ros::SteadyTime::now());
+      if (due) last_alarm_run_ = ros::SteadyTime::now();
     }
     if (due) diagnose("an alarm");
   }
@@ -108,11 +106,12 @@ void DiagnoseNode::on_mismatch(const softarm_estimator::Mismatch& mismatch) {
   was_alarm_ = mismatch.alarm;
   if (!begins) return;
   const std::lock_guard<std::mutex> lock(state_mutex_);
-  const ros::WallTime now = ros::WallTime::now();
+  const ros::SteadyTime now = ros::SteadyTime::now();
   // One that already waits stands for those that follow; but while a diagnosis runs the newest waits.
-  if (alarm_at_ && !running_since_) return;
+  if (alarm_wait_.waits() && !running_since_) return;
+  // By the machine's clock, also where time is simulated: it is the machine that is to have a pause.
   if (last_alarm_run_ && (now - *last_alarm_run_).toSec() < params_.alarm_pause_s) return;
-  alarm_at_ = now;
+  alarm_wait_.begin(ros::Time::now(), now);
   ROS_INFO("alarm (%s): a diagnosis in %.0f s%s", mismatch.description.c_str(), params_.alarm_wait_s,
            running_since_ ? ", or when the one that runs is over" : "");
 }
@@ -132,7 +131,7 @@ DiagnoseNode::Outcome DiagnoseNode::diagnose(const std::string& why) {
   }
   {
     const std::lock_guard<std::mutex> lock(state_mutex_);
-    running_since_ = ros::WallTime::now();
+    running_since_ = ros::SteadyTime::now();
     ++runs_;
   }
   ROS_INFO("diagnosis of the last %.0f s: %s", recent.duration_s(), why.c_str());
@@ -193,8 +192,9 @@ void DiagnoseNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
       messages > 0 ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
       messages > 0 ? fmt::format("the last {:.0f} s are kept", duration_s) : "nothing recorded yet");
   if (running_since_) {
-    status.mergeSummary(DiagnosticStatus::OK, fmt::format("a diagnosis has been running for {:.0f} s",
-                                                          (ros::WallTime::now() - *running_since_).toSec()));
+    status.mergeSummary(DiagnosticStatus::OK,
+                        fmt::format("a diagnosis has been running for {:.0f} s",
+                                    (ros::SteadyTime::now() - *running_since_).toSec()));
   } else if (last_) {
     status.mergeSummary(last_->success ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
                         "last diagnosis: " + last_->description);
@@ -208,7 +208,7 @@ void DiagnoseNode::report(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("kept (MB)", fmt::format("{:.1f}", mb));
   status.add("diagnoses", runs_);
   status.add("running", running_since_ ? "yes" : "no");
-  status.add("an alarm waits", alarm_at_ ? "yes" : "no");
+  status.add("an alarm waits", alarm_wait_.waits() ? "yes" : "no");
   if (last_) status.add("last diagnosis", last_->description);
 }
 

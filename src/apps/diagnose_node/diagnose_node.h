@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "ros/alarm_wait.h"
 #include "ros/recent_messages.h"
 #include "softarm/arm/arm.h"
 
@@ -76,10 +77,10 @@ class DiagnoseNode {
   std::thread worker_;
   std::atomic<bool> stop_{false};
   std::mutex state_mutex_;
-  std::optional<ros::WallTime> running_since_;
+  std::optional<ros::SteadyTime> running_since_;
   std::optional<Outcome> last_;
-  std::optional<ros::WallTime> alarm_at_;  // of the alarm whose diagnosis is still to begin
-  std::optional<ros::WallTime> last_alarm_run_;
+  AlarmWait alarm_wait_;  // of the diagnosis that is still to begin
+  std::optional<ros::SteadyTime> last_alarm_run_;
   bool was_alarm_ = false;
   std::uint64_t runs_ = 0;
 
