@@ -193,31 +193,6 @@ std::string motion_of(const JointModel& model, double lag_s) {
       1e2 * model.unknown().inertia);
 }
 
-/// Which trials are predicted without each other, where that is more than each without itself.
-std::string unseen_of(const JointModel& model) {
-  const std::size_t trials = model.trials().size();
-  std::size_t most = 0, least = trials;
-  for (const std::vector<bool>& without : model.predicted_without()) {
-    const auto count = static_cast<std::size_t>(std::count(without.begin(), without.end(), true));
-    most = std::max(most, count);
-    least = std::min(least, count);
-  }
-  std::string text;
-  const std::vector<std::size_t>& sequence = model.sequences();
-  const bool one_sequence =
-      trials > 1 && std::all_of(sequence.begin(), sequence.end(), [](std::size_t s) { return s == 0; });
-  if (one_sequence)
-    text =
-        "All trials were driven by the same commands: an unseen trial has another payload or attitude, "
-        "and says nothing about other commands.";
-  if (most <= 1) return text;
-  return text + (text.empty() ? "" : " ") +
-         fmt::format(
-             "Each unseen trial is predicted from {} to {} of the {} trials: those {}of the same "
-             "session are left out.",
-             trials - most, trials - least, trials, one_sequence ? "" : "driven by the same commands or ");
-}
-
 std::vector<std::string> notes_of(const Compared& all, const model::Prepared& prepared,
                                   const Selection& selection, const Options& options, const FirstFits& first,
                                   const JointModel& model, const Remains& left) {
@@ -248,7 +223,7 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
                     "them, which these trials cannot tell apart.",
                     1e3 * std::sqrt(std::max(0.0, std::pow(selection.extended_unseen.total_rms_m, 2) -
                                                       std::pow(selection.with_background.total_rms_m, 2)))));
-  const std::string unseen = unseen_of(model);
+  const std::string unseen = predicted_from(model.sequences(), model.predicted_without());
   if (!unseen.empty()) notes.push_back(unseen);
   const std::string open = unconverged(selection);
   if (!open.empty())

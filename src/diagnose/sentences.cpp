@@ -308,4 +308,30 @@ std::string improvement(const Diagnosis& d) {
   return text + ".";
 }
 
+std::string predicted_from(const std::vector<std::size_t>& sequence,
+                           const std::vector<std::vector<bool>>& without) {
+  const std::size_t trials = sequence.size();
+  std::size_t most = 0, least = trials;
+  for (const std::vector<bool>& out : without) {
+    const auto count = static_cast<std::size_t>(std::count(out.begin(), out.end(), true));
+    most = std::max(most, count);
+    least = std::min(least, count);
+  }
+  std::string text;
+  const bool one_sequence =
+      trials > 1 && std::all_of(sequence.begin(), sequence.end(), [](std::size_t s) { return s == 0; });
+  if (one_sequence)
+    text =
+        "All trials were driven by the same commands: an unseen trial has another payload or attitude, "
+        "and says nothing about other commands.";
+  if (most <= 1) return text;
+  const std::string from =
+      most == least ? std::to_string(trials - most) : fmt::format("{} to {}", trials - most, trials - least);
+  return text + (text.empty() ? "" : " ") +
+         fmt::format(
+             "Each unseen trial is predicted from {} of the {} trials: those {}of the same session are left "
+             "out.",
+             from, trials, one_sequence ? "" : "driven by the same commands or ");
+}
+
 }  // namespace softarm::diagnose

@@ -1,6 +1,7 @@
 // Sentences and numbers for people, shared by the terminal, report.json and report.html.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -75,5 +76,11 @@ std::string change(double before_m, double after_m);
 /// How much better on trials that were not fitted: plain errors, which trials got worse, and the share of
 /// what could be explained; empty where that is not known.
 std::string improvement(const Diagnosis& diagnosis);
+
+/// From which trials each unseen one is predicted; empty where that is simply from all others.
+/// @param sequence of each trial (sequences.h)
+/// @param without by trial, which ones it is predicted without (unseen.h)
+std::string predicted_from(const std::vector<std::size_t>& sequence,
+                           const std::vector<std::vector<bool>>& without);
 
 }  // namespace softarm::diagnose

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "diagnose/findings.h"
 #include "diagnose/pictures.h"
+#include "diagnose/unseen.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -173,6 +176,27 @@ TEST(Sentences, UnderUnknownOnlyWhatIsLikelyIsListedWithItsOwnShare) {
   diagnosis.effects.clear();
   EXPECT_EQ(summary_of(diagnosis, 4).find(" explains 28 %"), std::string::npos) << summary_of(diagnosis, 4);
   EXPECT_EQ(summary_of(diagnosis, 4).find("hysteresis"), std::string::npos) << summary_of(diagnosis, 4);
+}
+
+TEST(Sentences, OfOneSequenceInThreeSessionsOthersSessionsPredict) {
+  const double hour = 3600.0;
+  const auto said = [](const std::vector<std::size_t>& sequence, const std::vector<double>& session_s) {
+    return predicted_from(sequence, predicted_without(sequence, session_s));
+  };
+  const std::string same =
+      "All trials were driven by the same commands: an unseen trial has another payload or attitude, and "
+      "says nothing about other commands.";
+  EXPECT_EQ(said({0, 0, 0, 0}, {0.0, 60.0, 2 * hour, 4 * hour}),
+            same +
+                " Each unseen trial is predicted from 2 to 3 of the 4 trials: those of the same session are "
+                "left out.");
+  EXPECT_EQ(said({0, 0, 0, 0}, {0.0, 60.0, 120.0, 2 * hour}), same) << "two sessions are none";
+  EXPECT_EQ(said({0, 0, 0}, {0.0, 2 * hour, 4 * hour}), same) << "each is a session";
+  EXPECT_EQ(said({0}, {0.0}), "");
+  EXPECT_EQ(said({0, 1, 2}, {0.0, 60.0, 120.0}), "") << "from all others";
+  EXPECT_EQ(said({0, 1, 0, 1}, {0.0, 60.0, 120.0, 180.0}),
+            "Each unseen trial is predicted from 2 of the 4 trials: those driven by the same commands or of "
+            "the same session are left out.");
 }
 
 TEST(Sentences, WhatIsLeftOutStandsInTheVerdictsLine) {
