@@ -155,6 +155,10 @@ ScalarInput read_angle(const Section& section) {
 
 /// Appends an input whose name is new and whose value nothing else reads.
 void add_input(const Section& section, const ScalarInput& input, std::vector<ScalarInput>* inputs) {
+  // Else reports and findings would mix the two.
+  for (const char* taken : {"payload", "attitude"})
+    if (input.name == taken)
+      section.fail_value("name", fmt::format("is taken: reports have the arm's own {} under it", taken));
   for (const ScalarInput& other : *inputs) {
     if (other.name == input.name)
       section.fail_value("name", "is given to another input already; names are unique");

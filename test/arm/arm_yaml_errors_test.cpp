@@ -120,6 +120,10 @@ INSTANTIATE_TEST_SUITE_P(
             "duplicate_input", kInput, "{name: chamber_1, topic: a}\n    - {name: chamber_1, topic: b}",
             "arm.yaml:18: key 'inputs.pressures[1].name': value chamber_1 is given to another input already; "
             "names are unique"},
+        Refusal{
+            "input_like_the_payload", kInput, "{name: chamber_1, topic: a}\n    - {name: payload, topic: b}",
+            "arm.yaml:18: key 'inputs.pressures[1].name': value payload is taken: reports have the arm's own "
+            "payload under it"},
         Refusal{"duplicate_topic", kInput, "{name: chamber_1, topic: a}\n    - {name: chamber_2, topic: a}",
                 "arm.yaml:18: key 'inputs.pressures[1].topic': value a with element 0 is read by input "
                 "'chamber_1' "
