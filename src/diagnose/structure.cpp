@@ -13,6 +13,7 @@
 namespace softarm::diagnose {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// In time: products of a body's neighbouring residuals; along the arm: of neighbouring bodies at one
@@ -49,15 +50,16 @@ void add_products(const JointModel& model, const Linearised& at, const Unseen& u
 }
 
 /// The last body's mean residual in the plane of bending, by stretch of a trial, and what drove the arm
-/// there.
+/// there, a row each.
 struct ByStretch {
-  std::vector<VectorXd> features;
-  std::vector<double> error_m;
+  MatrixXd features;
+  VectorXd error_m;
 };
 
 ByStretch last_body_by_stretch(const JointModel& model, const Linearised& at, const Unseen& unseen,
                                const Features& all) {
-  ByStretch out;
+  std::vector<VectorXd> drives;
+  std::vector<double> errors_m;
   std::size_t i = 0;
   for (std::size_t t = 0; t < model.trials().size(); ++t) {
     Eigen::Index row = 0;
@@ -65,8 +67,8 @@ ByStretch last_body_by_stretch(const JointModel& model, const Linearised& at, co
     double error = 0.0, count = 0.0, from_s = -1e9;
     const auto close = [&] {
       if (count > 0.0) {
-        out.features.push_back(sum / count);
-        out.error_m.push_back(error / count);
+        drives.push_back(sum / count);
+        errors_m.push_back(error / count);
       }
       sum.setZero();
       error = count = 0.0;
@@ -94,6 +96,10 @@ ByStretch last_body_by_stretch(const JointModel& model, const Linearised& at, co
     }
     close();
   }
+  ByStretch out{MatrixXd(static_cast<Eigen::Index>(drives.size()), all.values.cols()),
+                Eigen::Map<const VectorXd>(errors_m.data(), static_cast<Eigen::Index>(errors_m.size()))};
+  for (std::size_t s = 0; s < drives.size(); ++s)
+    out.features.row(static_cast<Eigen::Index>(s)) = drives[s].transpose();
   return out;
 }
 
@@ -104,26 +110,25 @@ double p_of_correlation(const VectorXd& x, const VectorXd& y) {
   return math::students_t_two_sided(dof, t);
 }
 
-/// Residuals by what drives the arm.
-std::map<std::string, double> p_by_input(const Features& all, const ByStretch& stretches) {
+}  // namespace
+
+std::map<std::string, double> p_by_name(const std::vector<std::string>& names, const MatrixXd& values,
+                                        const VectorXd& error) {
   std::map<std::string, double> p;
-  const auto n = static_cast<Eigen::Index>(stretches.error_m.size());
-  if (n < kPolicy.structure.fewest_stretches) return p;
-  VectorXd e = Eigen::Map<const VectorXd>(stretches.error_m.data(), n);
-  e.array() -= e.mean();
-  for (Eigen::Index c = 0; c < all.values.cols(); ++c) {
-    VectorXd x(n);
-    for (Eigen::Index r = 0; r < n; ++r) x[r] = stretches.features[static_cast<std::size_t>(r)][c];
-    x.array() -= x.mean();
+  if (error.size() < kPolicy.structure.fewest_stretches) return p;
+  const VectorXd e = error.array() - error.mean();
+  std::map<std::string, int> columns;
+  for (Eigen::Index c = 0; c < values.cols(); ++c) {
+    const VectorXd x = values.col(c).array() - values.col(c).mean();
     if (!(x.norm() * e.norm() > 1e-15)) continue;
-    const double one = p_of_correlation(x, e);
-    const auto known = p.try_emplace(all.names[static_cast<std::size_t>(c)], one).first;
-    known->second = std::min(known->second, one);
+    const std::string& name = names[static_cast<std::size_t>(c)];
+    const auto known = p.try_emplace(name, 1.0).first;
+    known->second = std::min(known->second, p_of_correlation(x, e));
+    ++columns[name];
   }
+  for (auto& [name, least] : p) least = -std::expm1(columns.at(name) * std::log1p(-least));
   return p;
 }
-
-}  // namespace
 
 Structure structure_of(const JointModel& model, const Linearised& at, const Unseen& unseen) {
   Structure out;
@@ -133,7 +138,8 @@ Structure structure_of(const JointModel& model, const Linearised& at, const Unse
   out.whiteness_p = time.p();
   out.along_s_p = along.p();
   const Features all = features(model, at);
-  out.by_input_p = p_by_input(all, last_body_by_stretch(model, at, unseen, all));
+  const ByStretch stretches = last_body_by_stretch(model, at, unseen, all);
+  out.by_input_p = p_by_name(all.names, stretches.features, stretches.error_m);
   out.where = where_is(model, at, unseen.residual);
   return out;
 }
