@@ -1,6 +1,7 @@
 #include "background.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -85,6 +86,13 @@ Unseen with_background(JointModel& model, Linearised& at, const std::vector<mode
   }
   Unseen with = summed(model, at, residual);
   return with.total_rms_m < unseen.total_rms_m ? with : unseen;
+}
+
+std::optional<double> small_departures_m(const Unseen& without, const Unseen& with, bool adequate,
+                                         double length_m) {
+  const double small_m =
+      std::sqrt(std::max(0.0, std::pow(without.total_rms_m, 2) - std::pow(with.total_rms_m, 2)));
+  return adequate && small_m <= kPolicy.words.small * length_m ? std::optional(small_m) : std::nullopt;
 }
 
 }  // namespace softarm::diagnose

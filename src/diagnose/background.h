@@ -1,6 +1,7 @@
 // What small departures of everything make of unseen trials.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "joint_model.h"
@@ -17,5 +18,13 @@ namespace softarm::diagnose {
 /// @param unseen the same trials without; also what is returned where that is better
 Unseen with_background(JointModel& model, Linearised& at, const std::vector<model::Present>& candidates,
                        double background, const Unseen& unseen, unsigned jobs);
+
+/// Rms distance that they make of what is left, m. Nothing where they are not all that is left, or make more
+/// than departures of every arm come to (Policy::Words::small): what is large may look like many small things
+/// at once, and that they explain some of it says nothing then.
+/// @param without, with unseen trials without them, and with them (with_background())
+/// @param adequate whether with them nothing of a size that matters is left
+std::optional<double> small_departures_m(const Unseen& without, const Unseen& with, bool adequate,
+                                         double length_m);
 
 }  // namespace softarm::diagnose

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <utility>
 
+#include "background.h"
 #include "beyond_range.h"
 #include "discovered_law.h"
 #include "extended_arm.h"
@@ -74,8 +75,8 @@ std::string known_ids(const Options& options) {
 /// What is left to see before and after the effects.
 struct Remains {
   Leftover before, after;
-  bool adequate = false;  ///< nothing of a size that matters is left but small departures
-  bool small = false;     ///< ... and these are
+  bool adequate = false;          ///< nothing of a size that matters is left but small departures
+  std::optional<double> small_m;  ///< what these make, where they are left
 };
 
 bool is_shared(const Leftover& left, double length_m) {
@@ -119,13 +120,15 @@ Remains compare(const JointModel& model, const Selection& selection, unsigned jo
   d.extended = fit_of(after, selection.extended.rows);
   d.discrepancy_share = in_after.learnt;
 
-  Remains left{in_before.shared, in_after.shared, in_after.adequate, false};
-  double small2 = 0.0;  // by small departures that cannot be told apart
+  Remains left{in_before.shared, in_after.shared, in_after.adequate, {}};
+  const double length_m = model.arm().total_length_m();
   if (!left.adequate) {
-    left.small = left_in(model, selection.extended, selection.with_background, floor, jobs).adequate;
-    left.adequate = left.small;
-    small2 = std::pow(after.total_rms_m, 2) - std::pow(selection.with_background.total_rms_m, 2);
+    const Unseen& with = selection.with_background;
+    const Left in_with = left_in(model, selection.extended, with, floor, jobs);
+    left.small_m = small_departures_m(after, with, in_with.adequate, length_m);
+    left.adequate = left.small_m.has_value();
   }
+  const double small2 = std::pow(left.small_m.value_or(0.0), 2);
   const double base2 = std::pow(before.total_rms_m, 2), ext2 = std::pow(after.total_rms_m, 2);
   const double floor2 = floor.white_m2;
   const double learnt2 = std::min({base2 * (1.0 - in_before.learnt), ext2 * (1.0 - in_after.learnt), ext2});
@@ -134,7 +137,7 @@ Remains compare(const JointModel& model, const Selection& selection, unsigned jo
       std::min(ext2, small2 + (in_after.as_noise ? std::pow(d.ceiling_rms_m, 2) : std::min(base2, floor2)));
   d.explained_share = base2 > reach2 ? std::clamp((base2 - ext2) / (base2 - reach2), 0.0, 1.0) : 0.0;
   // With the arm calm nothing but the arm's shape is in the way.
-  if (extended && !left.adequate && is_shared(left.before, model.arm().total_length_m()) &&
+  if (extended && !left.adequate && is_shared(left.before, length_m) &&
       left.before.shared_m > left.after.shared_m)
     d.explained_share = 1.0 - std::pow(left.after.shared_m / left.before.shared_m, 2);
   return left;
@@ -217,12 +220,11 @@ std::vector<std::string> notes_of(const Compared& all, const model::Prepared& pr
   if (prepared.trials.size() < 3)
     notes.push_back(
         "Fewer than three trials: they hardly show what improves predictions of unseen ones. Record more.");
-  if (left.small)
+  if (left.small_m)
     notes.push_back(
         fmt::format("The remaining {:.2f} mm rms are small departures of many effects, as every arm has "
                     "them, which these trials cannot tell apart.",
-                    1e3 * std::sqrt(std::max(0.0, std::pow(selection.extended_unseen.total_rms_m, 2) -
-                                                      std::pow(selection.with_background.total_rms_m, 2)))));
+                    1e3 * *left.small_m));
   const std::string unseen = predicted_from(model.sequences(), model.predicted_without());
   if (!unseen.empty()) notes.push_back(unseen);
   const std::string open = unconverged(selection);
