@@ -69,22 +69,24 @@ MatrixXd courses_of(const EvidenceData& data, const math::Eigensystem& over_feat
 
 /// What signatures, and effects of the fit along the courses, move in each principal direction.
 std::vector<MatrixXd> by_direction(const std::vector<const Signature*>& signatures,
-                                   const std::vector<MatrixXd>& done, const Bases& bases) {
+                                   const std::vector<MatrixXd>& done, const Bases& bases, unsigned jobs) {
   const Index n = bases.courses.rows(), m = bases.directions.cols(), courses = bases.courses.cols();
-  const Index columns = static_cast<Index>(signatures.size()) + static_cast<Index>(done.size()) * courses;
+  const auto first = static_cast<Index>(signatures.size());
+  const Index columns = first + static_cast<Index>(done.size()) * courses;
   std::vector<MatrixXd> list(static_cast<std::size_t>(m), MatrixXd(n, columns));
-  Index column = 0;
-  for (const Signature* signature : signatures) {
-    const MatrixXd turned = signature->moves * bases.directions;
-    for (Index d = 0; d < m; ++d) list[static_cast<std::size_t>(d)].col(column) = turned.col(d);
-    ++column;
-  }
-  for (const MatrixXd& one : done) {
-    const MatrixXd turned = one * bases.directions;
-    for (Index c = 0; c < courses; ++c, ++column)
-      for (Index d = 0; d < m; ++d)
-        list[static_cast<std::size_t>(d)].col(column) = bases.courses.col(c).cwiseProduct(turned.col(d));
-  }
+  math::in_parallel(signatures.size() + done.size(), jobs, [&](std::size_t i) {
+    const bool form = i >= signatures.size();
+    const MatrixXd turned = (form ? done[i - signatures.size()] : signatures[i]->moves) * bases.directions;
+    const auto column = static_cast<Index>(i);
+    for (Index d = 0; d < m; ++d) {
+      MatrixXd& to = list[static_cast<std::size_t>(d)];
+      if (form)
+        to.middleCols(first + (column - first) * courses, courses) =
+            turned.col(d).asDiagonal() * bases.courses;
+      else
+        to.col(column) = turned.col(d);
+    }
+  });
   return list;
 }
 
@@ -129,12 +131,11 @@ void LinearGaussianModel::add(const Signature& signature) {
     each_.push_back(signature.effect);
 }
 
-LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& bases,
+LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& bases, unsigned jobs,
                                          const LinearGaussianModel* others, const Effect* but)
     : forms_of_(data.done.size()), courses_(bases.courses.cols()) {
   std::vector<const Signature*> turning;  // those that no other model has turned
   for (const Signature& signature : data.unknowns) turning.push_back(&signature);
-  const auto unknowns = static_cast<Index>(turning.size());
   std::vector<Index> turned;  // columns of the other model
   for (const Signature* signature : turning) add(*signature);
   if (others == nullptr) {
@@ -154,26 +155,26 @@ LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& 
            others->unknown_sd_[j]});
     }
   }
-  const auto forms = static_cast<Index>(forms_of_) * courses_;
+  const Index forms = static_cast<Index>(forms_of_) * courses_;
   for (Index c = 0; c < forms; ++c) add({nullptr, 0.0, kPolicy.posterior.form, {}});
-  const std::vector<MatrixXd> own = by_direction(turning, data.done, bases);
+  const std::vector<MatrixXd> own = by_direction(turning, data.done, bases, jobs);
   const MatrixXd residual = data.residual * bases.directions;
-  const Index n = data.residual.rows(), first = static_cast<Index>(turning.size());
-  for (std::size_t k = 0; k < bases.kernels.size(); ++k) {
-    const math::Eigensystem& eigen = bases.kernels[k];
-    InBasis in = spectra_of(eigen.values);
-    for (std::size_t d = 0; d < own.size(); ++d) {
-      const MatrixXd columns = eigen.vectors.transpose() * own[d];
-      MatrixXd all(n, columns.cols() + static_cast<Index>(turned.size()));
-      all.leftCols(first) = columns.leftCols(first);
-      for (std::size_t j = 0; j < turned.size(); ++j)
-        all.col(unknowns + static_cast<Index>(j)) = others->turned_[k].signatures[d].col(turned[j]);
-      all.rightCols(forms) = columns.rightCols(forms);
-      in.signatures.push_back(std::move(all));
-    }
-    in.residual = eigen.vectors.transpose() * residual;
-    turned_.push_back(std::move(in));
+  for (const math::Eigensystem& eigen : bases.kernels) {
+    turned_.push_back(spectra_of(eigen.values));
+    turned_.back().signatures.resize(own.size());
+    turned_.back().residual = eigen.vectors.transpose() * residual;
   }
+  math::in_parallel(bases.kernels.size() * own.size(), jobs, [&](std::size_t i) {
+    const std::size_t k = i / own.size(), d = i % own.size();
+    const MatrixXd columns = bases.kernels[k].vectors.transpose() * own[d];
+    const Index before = columns.cols() - forms, from_others = static_cast<Index>(turned.size());
+    MatrixXd& all = turned_[k].signatures[d];
+    all.resize(columns.rows(), columns.cols() + from_others);
+    all.leftCols(before) = columns.leftCols(before);
+    for (Index j = 0; j < from_others; ++j)
+      all.col(before + j) = others->turned_[k].signatures[d].col(turned[static_cast<std::size_t>(j)]);
+    all.rightCols(forms) = columns.rightCols(forms);
+  });
 }
 
 LinearGaussianModel::InBasis LinearGaussianModel::spectra_of(const VectorXd& eigenvalues) {

@@ -69,7 +69,7 @@ class LinearGaussianModel {
   /// @param others a model made with the same bases, the effects of which it is to have, without those of
   /// `data`; nullptr: those of `data`
   /// @param but without this one
-  LinearGaussianModel(const EvidenceData& data, const Bases& bases,
+  LinearGaussianModel(const EvidenceData& data, const Bases& bases, unsigned jobs = 1,
                       const LinearGaussianModel* others = nullptr, const model::Effect* but = nullptr);
 
   /// With the noise of greatest likelihood, begun from `noise`; empty: from that of the residuals.

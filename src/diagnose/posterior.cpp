@@ -27,11 +27,11 @@ class Expansions {
  public:
   Expansions(const EvidenceData& data, const std::vector<RefitEvidence>& refits, unsigned jobs)
       : bases_(bases_of(data, jobs)), models_(1 + refits.size()) {
-    models_[0].emplace(data, bases_);
-    math::in_parallel(refits.size(), jobs, [&](std::size_t i) {
+    models_[0].emplace(data, bases_, jobs);
+    for (std::size_t i = 0; i < refits.size(); ++i) {
       const bool own = !refits[i].data.effects.empty();
-      models_[i + 1].emplace(refits[i].data, bases_, own ? nullptr : &*models_[0], refits[i].effect);
-    });
+      models_[i + 1].emplace(refits[i].data, bases_, jobs, own ? nullptr : &*models_[0], refits[i].effect);
+    }
     for (const RefitEvidence& r : refits) refitted_.push_back(r.effect);
     for (const Signature& s : data.effects) log_choices_[s.effect] = s.log_choices;
   }

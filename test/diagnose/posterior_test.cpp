@@ -76,7 +76,7 @@ TEST(Posterior, AModelMayHaveTheEffectsOfAnother) {
   refit.done = {2.0 * refit.unknowns[0].moves};
   const Bases bases = bases_of(data);
   const LinearGaussianModel others(data, bases);
-  const LinearGaussianModel shared(refit, bases, &others, data.effects[1].effect);
+  const LinearGaussianModel shared(refit, bases, 1, &others, data.effects[1].effect);
   refit.effects = data.effects;
   refit.effects.erase(refit.effects.begin() + 1);
   const LinearGaussianModel own(refit, bases);
