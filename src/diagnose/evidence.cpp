@@ -23,6 +23,7 @@ namespace {
 // what is left white.
 constexpr double kShares[] = {0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.997, 0.999};
 constexpr double kLeastEigenvalue = 1e-9;  // of a kernel with a unit diagonal: rounding
+constexpr std::size_t kOverTime = 0;       // of kernels_of()
 constexpr std::size_t kOfLaws = 1;         // of kernels_of(): over what drives the arm, as laws go with it
 constexpr Index kSmoothCourses = 8;        // of that: the others turn faster than laws do
 constexpr int kNoiseIterations = 2;        // of noise and coefficients by turns: the second changes little
@@ -51,7 +52,7 @@ MatrixXd feature_kernel(const MatrixXd& distances2, double reach) {
 
 /// Over a trial, over the order of the trials, and smoothly over what drives the arm: those together of unit
 /// variance.
-MatrixXd courses_of(const EvidenceData& data, const math::Eigensystem& over_features) {
+MatrixXd courses_of(const EvidenceData& data, const math::BlockEigensystem& over_features) {
   const Index n = data.residual.rows(), smooth = std::min(kSmoothCourses, n);
   MatrixXd courses(n, 2 + smooth);
   courses.col(0) = data.t_s;
@@ -62,7 +63,7 @@ MatrixXd courses_of(const EvidenceData& data, const math::Eigensystem& over_feat
     course *= same ? 0.0 : std::sqrt(static_cast<double>(n)) / course.norm();
   }
   const VectorXd variances = over_features.values.tail(smooth) * static_cast<double>(n);
-  courses.rightCols(smooth) = over_features.vectors.rightCols(smooth) *
+  courses.rightCols(smooth) = over_features.vectors.front().rightCols(smooth) *
                               (variances / over_features.values.tail(smooth).sum()).cwiseSqrt().asDiagonal();
   return courses;
 }
@@ -113,7 +114,7 @@ Bases bases_of(const EvidenceData& data, unsigned jobs) {
   const std::vector<MatrixXd> kernels = kernels_of(data);
   bases.kernels.resize(kernels.size());
   math::in_parallel(kernels.size(), jobs, [&](std::size_t k) {
-    bases.kernels[k] = math::eigensystem_of(kernels[k]);
+    bases.kernels[k] = k == kOverTime ? math::blocks_of(kernels[k]) : math::one_block_of(kernels[k]);
     bases.kernels[k].values = bases.kernels[k].values.cwiseMax(kLeastEigenvalue);
   });
   bases.courses = courses_of(data, bases.kernels[kOfLaws]);
@@ -159,14 +160,14 @@ LinearGaussianModel::LinearGaussianModel(const EvidenceData& data, const Bases& 
   for (Index c = 0; c < forms; ++c) add({nullptr, 0.0, kPolicy.posterior.form, {}});
   const std::vector<MatrixXd> own = by_direction(turning, data.done, bases, jobs);
   const MatrixXd residual = data.residual * bases.directions;
-  for (const math::Eigensystem& eigen : bases.kernels) {
+  for (const math::BlockEigensystem& eigen : bases.kernels) {
     turned_.push_back(spectra_of(eigen.values));
     turned_.back().signatures.resize(own.size());
-    turned_.back().residual = eigen.vectors.transpose() * residual;
+    turned_.back().residual = eigen.turned(residual);
   }
   math::in_parallel(bases.kernels.size() * own.size(), jobs, [&](std::size_t i) {
     const std::size_t k = i / own.size(), d = i % own.size();
-    const MatrixXd columns = bases.kernels[k].vectors.transpose() * own[d];
+    const MatrixXd columns = bases.kernels[k].turned(own[d]);
     const Index before = columns.cols() - forms, from_others = static_cast<Index>(turned.size());
     MatrixXd& all = turned_[k].signatures[d];
     all.resize(columns.rows(), columns.cols() + from_others);
@@ -324,8 +325,8 @@ VectorXd LinearGaussianModel::log_by_instant(const Marginal& marginal, const Bas
       over_variance.col(column) = left.col(column).array() / variance;
       log.array() -= 0.5 * variance.log().mean();
     }
-    const MatrixXd& vectors = bases.kernels[kernel].vectors;
-    log -= 0.5 * (vectors * left).cwiseProduct(vectors * over_variance).rowwise().sum();
+    const math::BlockEigensystem& eigen = bases.kernels[kernel];
+    log -= 0.5 * eigen.back(left).cwiseProduct(eigen.back(over_variance)).rowwise().sum();
   }
   return log;
 }

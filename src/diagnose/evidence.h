@@ -30,13 +30,13 @@ struct Marginal {
 };
 
 /// Covariances of n instants that processes may have: over time, and over what drives the arm at the reaches
-/// of the flexible model. n x n.
+/// of the flexible model. n x n; over time first, nothing but zeros between trials.
 std::vector<Eigen::MatrixXd> kernels_of(const EvidenceData& data);
 
 /// In what fits to the same instants are looked at: there all noise is independent.
 struct Bases {
   Eigen::MatrixXd directions;  ///< principal ones of the residuals, m x m, one per column
-  std::vector<math::Eigensystem> kernels;
+  std::vector<math::BlockEigensystem> kernels;
   Eigen::MatrixXd courses;  ///< n x c, along which effects of the fit may act otherwise than their laws
 };
 Bases bases_of(const EvidenceData& data, unsigned jobs = 1);

@@ -1,6 +1,8 @@
 #include "linear_algebra.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <utility>
 
 namespace softarm::math {
 
@@ -60,6 +62,48 @@ MatrixXd block_of(const MatrixXd& a, const std::vector<Eigen::Index>& rows) {
 Eigensystem eigensystem_of(const MatrixXd& a) {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a);
   return {eigen.eigenvalues(), eigen.eigenvectors()};
+}
+
+MatrixXd BlockEigensystem::turned(const MatrixXd& b) const {
+  MatrixXd out(b.rows(), b.cols());
+  Eigen::Index row = 0;
+  for (const MatrixXd& own : vectors) {
+    out.middleRows(row, own.rows()).noalias() = own.transpose() * b.middleRows(row, own.rows());
+    row += own.rows();
+  }
+  return out;
+}
+
+MatrixXd BlockEigensystem::back(const MatrixXd& b) const {
+  MatrixXd out(b.rows(), b.cols());
+  Eigen::Index row = 0;
+  for (const MatrixXd& own : vectors) {
+    out.middleRows(row, own.rows()).noalias() = own * b.middleRows(row, own.rows());
+    row += own.rows();
+  }
+  return out;
+}
+
+BlockEigensystem one_block_of(const MatrixXd& a) {
+  Eigensystem whole = eigensystem_of(a);
+  return {std::move(whole.values), {std::move(whole.vectors)}};
+}
+
+BlockEigensystem blocks_of(const MatrixXd& a) {
+  BlockEigensystem all{VectorXd(a.rows()), {}};
+  Eigen::Index first = 0, last = 0;  // of the block, as far as is known
+  for (Eigen::Index j = 0; j < a.cols(); ++j) {
+    last = std::max(last, j);
+    for (Eigen::Index i = a.rows() - 1; i > last; --i)
+      if (a(i, j) != 0.0) last = i;
+    if (last > j) continue;
+    const Eigen::Index size = j + 1 - first;
+    Eigensystem own = eigensystem_of(a.block(first, first, size, size));
+    all.values.segment(first, size) = own.values;
+    all.vectors.push_back(std::move(own.vectors));
+    first = j + 1;
+  }
+  return all;
 }
 
 void CholeskyFactor::compute(const MatrixXd& a) {

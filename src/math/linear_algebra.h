@@ -42,6 +42,19 @@ struct Eigensystem {
 };
 Eigensystem eigensystem_of(const Eigen::MatrixXd& a);
 
+/// The same of a matrix by the blocks along its diagonal, beside which it holds zeros.
+struct BlockEigensystem {
+  Eigen::VectorXd values;                ///< of all blocks, one below the other; increasing in each
+  std::vector<Eigen::MatrixXd> vectors;  ///< of each block
+
+  Eigen::MatrixXd turned(const Eigen::MatrixXd& b) const;  ///< vectors^T b, n x m
+  Eigen::MatrixXd back(const Eigen::MatrixXd& b) const;    ///< vectors b, n x m
+};
+/// As one block, whatever it holds.
+BlockEigensystem one_block_of(const Eigen::MatrixXd& a);
+/// In as many blocks as its zeros make.
+BlockEigensystem blocks_of(const Eigen::MatrixXd& a);
+
 /// L of a = L L^T, by Cholesky; nothing else is kept, so that it can be worked out anew without an
 /// allocation.
 class CholeskyFactor {

@@ -44,6 +44,29 @@ EvidenceData made_up(Index n, Index m, int effects, double strength, std::mt1993
   return data;
 }
 
+TEST(Posterior, BasesAreOfTheKernelsOverTimeByTrial) {
+  std::mt19937_64 random(4);
+  EvidenceData data = made_up(20, 3, 1, 0.7, random);
+  const auto is_of_the_kernels = [&data](std::size_t trials) {
+    const Bases bases = bases_of(data, 2);
+    const std::vector<MatrixXd> kernels = kernels_of(data);
+    const MatrixXd identity = MatrixXd::Identity(20, 20);
+    ASSERT_EQ(bases.kernels.size(), kernels.size());
+    for (std::size_t k = 0; k < kernels.size(); ++k) {
+      const math::BlockEigensystem& eigen = bases.kernels[k];
+      EXPECT_EQ(eigen.vectors.size(), k == 0 ? trials : 1) << k;
+      EXPECT_LT((eigen.back(eigen.turned(identity)) - identity).norm(), 1e-9) << k;
+      EXPECT_LT((eigen.back(eigen.values.asDiagonal() * eigen.turned(identity)) - kernels[k]).norm(), 1e-7)
+          << k;
+    }
+  };
+  is_of_the_kernels(3);
+  data.trial.assign(20, 0);
+  is_of_the_kernels(1);
+  data.trial = {0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 1, 1, 1, 4, 4, 4, 4, 4};  // one goes on later
+  is_of_the_kernels(3);
+}
+
 TEST(Posterior, OnItsLawAnEffectHasNoForm) {
   std::mt19937_64 random(5);
   EvidenceData data = made_up(20, 3, 4, 0.7, random);
