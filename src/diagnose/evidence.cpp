@@ -264,19 +264,23 @@ VectorXd LinearGaussianModel::precision(const EffectList& present, double backgr
 }
 
 Gaussian LinearGaussianModel::estimate(const NormalEquations& sums, const EffectList& present,
-                                       double background, std::optional<std::size_t> on_its_law) const {
+                                       double background) const {
   const VectorXd precision = this->precision(present, background);
   MatrixXd information = sums.information;
   information.diagonal() += precision;
-  const Index size = precision.size();
-  const Index without = on_its_law ? size - static_cast<Index>(forms_of_ - *on_its_law) * courses_ : size;
-  std::vector<Index> rows;
-  for (Index j = 0; j < size; ++j)
-    if (j < without || j >= without + courses_) rows.push_back(j);
   Gaussian estimate;
-  estimate.covariance = math::inverse_of_symmetric(math::block_of(information, rows));
-  estimate.mean = estimate.covariance * math::rows_of(sums.score + precision.cwiseProduct(mean()), rows);
+  estimate.covariance = math::inverse_of_symmetric(information);
+  estimate.mean = estimate.covariance * (sums.score + precision.cwiseProduct(mean()));
   return estimate;
+}
+
+Gaussian LinearGaussianModel::on_its_law(const Gaussian& estimate, std::size_t effect) const {
+  const Index first = estimate.mean.size() - static_cast<Index>(forms_of_ - effect) * courses_;
+  const MatrixXd& all = estimate.covariance;
+  const MatrixXd with_forms = all.middleRows(first, courses_);
+  const MatrixXd of_forms = with_forms.middleCols(first, courses_);
+  const MatrixXd gain = math::SymmetricSolver(of_forms).solve_columns(with_forms).transpose();
+  return {estimate.mean - gain * estimate.mean.segment(first, courses_), all - gain * with_forms};
 }
 
 double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectList& present,

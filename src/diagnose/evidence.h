@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <tuple>
 #include <vector>
 
@@ -80,10 +79,10 @@ class LinearGaussianModel {
   double integrate(const NormalEquations& sums, const EffectList& present, double background,
                    Eigen::VectorXd& coefficients) const;
   /// Of all coefficients, under these sums.
-  /// @param on_its_law without the coefficients of the forms of this effect of the fit, by its place in
-  /// EvidenceData::done
-  Gaussian estimate(const NormalEquations& sums, const EffectList& present, double background,
-                    std::optional<std::size_t> on_its_law = {}) const;
+  Gaussian estimate(const NormalEquations& sums, const EffectList& present, double background) const;
+  /// Such an estimate as if an effect of the fit had no other form: its coefficients of the forms are 0.
+  /// @param effect by its place in EvidenceData::done
+  Gaussian on_its_law(const Gaussian& estimate, std::size_t effect) const;
   /// Log likelihood of each instant at the most probable coefficients, but for the 2 pi; with correlated
   /// noise what it has of the whole.
   /// @param bases that the model was made with

@@ -228,10 +228,8 @@ class Mixture {
  public:
   explicit Mixture(Eigen::Index n) : mean_(Eigen::VectorXd::Zero(n)), square_(Eigen::MatrixXd::Zero(n, n)) {}
   void add(double weight, const Gaussian& part) {
-    const Eigen::Index n = mean_.size();
-    const Eigen::VectorXd mean = part.mean.head(n);
-    mean_ += weight * mean;
-    square_ += weight * (part.covariance.topLeftCorner(n, n) + mean * mean.transpose());
+    mean_ += weight * part.mean;
+    square_ += weight * (part.covariance + part.mean * part.mean.transpose());
     weight_ += weight;
   }
   Gaussian sum() const {
@@ -246,9 +244,28 @@ class Mixture {
   double weight_ = 0.0;
 };
 
+/// What a set about the present fit says of its unknowns.
+struct OfUnknowns {
+  double weight = 0.0;
+  Gaussian all;
+  std::vector<Gaussian> on_its_law;
+};
+
+OfUnknowns of_unknowns(const LinearGaussianModel& about, const Search::Model& m, const EvidenceData& data) {
+  const auto unknowns = static_cast<Eigen::Index>(data.unknowns.size());
+  const auto first = [unknowns](const Gaussian& g) {
+    return Gaussian{g.mean.head(unknowns), g.covariance.topLeftCorner(unknowns, unknowns)};
+  };
+  const Gaussian all = about.estimate(about.normal_equations(m.marginal.noise), m.effects, m.background);
+  OfUnknowns of;
+  of.all = first(all);
+  for (std::size_t e = 0; e < data.done.size(); ++e) of.on_its_law.push_back(first(about.on_its_law(all, e)));
+  return of;
+}
+
 /// What the sets about the present fit say of its unknowns, each as probable as it is.
 void add_unknowns(const Expansions& about, const std::vector<Search::Model>& models, const EvidenceData& data,
-                  Posterior& result) {
+                  unsigned jobs, Posterior& result) {
   const auto is_about_the_fit = [&](const Search::Model& m) { return about.of(m.effects).front() == 0; };
   double best = 0.0, best_log = -std::numeric_limits<double>::infinity();
   for (const Search::Model& m : models) {
@@ -259,18 +276,22 @@ void add_unknowns(const Expansions& about, const std::vector<Search::Model>& mod
   // Beside a refit that is far more probable all of them may be less than a double can say: then by their
   // evidence itself.
   const bool said = best >= std::numeric_limits<double>::min();
+  std::vector<OfUnknowns> list(models.size());
+  math::in_parallel(models.size(), jobs, [&](std::size_t i) {
+    const Search::Model& m = models[i];
+    if (!is_about_the_fit(m)) return;
+    const double weight = said ? m.probability / best : std::exp(m.log - best_log);
+    if (!(weight > kLeastWeight)) return;
+    list[i] = of_unknowns(about.model(0), m, data);
+    list[i].weight = weight;
+  });
   const auto unknowns = static_cast<Eigen::Index>(data.unknowns.size());
   Mixture all(unknowns);
   std::vector<Mixture> on_its_law(data.done.size(), Mixture(unknowns));
-  for (const Search::Model& m : models) {
-    if (!is_about_the_fit(m)) continue;
-    const double weight = said ? m.probability / best : std::exp(m.log - best_log);
-    if (!(weight > kLeastWeight)) continue;
-    const LinearGaussianModel& linear = about.model(0);
-    const NormalEquations sums = linear.normal_equations(m.marginal.noise);
-    all.add(weight, linear.estimate(sums, m.effects, m.background));
-    for (std::size_t e = 0; e < on_its_law.size(); ++e)
-      on_its_law[e].add(weight, linear.estimate(sums, m.effects, m.background, e));
+  for (const OfUnknowns& of : list) {
+    if (!(of.weight > 0.0)) continue;
+    all.add(of.weight, of.all);
+    for (std::size_t e = 0; e < on_its_law.size(); ++e) on_its_law[e].add(of.weight, of.on_its_law[e]);
   }
   result.unknowns = all.sum();
   for (const Mixture& one : on_its_law) result.on_its_law.push_back(one.sum());
@@ -327,7 +348,7 @@ Posterior posterior(const EvidenceData& data, const std::vector<RefitEvidence>& 
   if (search.models().empty()) return {};
   search.weigh(resampled_units(data.trial));
   Posterior result = summed(search.models());
-  add_unknowns(about, search.models(), data, result);
+  add_unknowns(about, search.models(), data, jobs, result);
   return result;
 }
 

@@ -72,24 +72,32 @@ TEST(Posterior, OnItsLawAnEffectHasNoForm) {
   EvidenceData data = made_up(20, 3, 4, 0.7, random);
   const Bases bases = bases_of(data);
   const LinearGaussianModel without(data, bases);
-  data.done = {3.0 * data.unknowns[1].moves};
+  const MatrixXd first = 3.0 * data.unknowns[1].moves, second = 2.0 * data.unknowns[0].moves;
+  data.done = {second};
+  const LinearGaussianModel other(data, bases);
+  data.done = {first};
   const LinearGaussianModel one(data, bases);
-  data.done.push_back(2.0 * data.unknowns[0].moves);
+  data.done.push_back(second);
   const LinearGaussianModel both(data, bases);
   const double background = 2e-4;
   const std::vector<DirectionNoise> noise = both.evaluate({}, background).noise;
-  const auto estimate = [&](const LinearGaussianModel& of, std::optional<std::size_t> on_its_law = {}) {
-    return of.estimate(of.normal_equations(noise), {}, background, on_its_law);
+  const auto estimate = [&](const LinearGaussianModel& of) {
+    return of.estimate(of.normal_equations(noise), {}, background);
   };
-  const auto same = [](const Gaussian& with_more, const Gaussian& with_less) {
-    const Index n = with_less.mean.size();
-    EXPECT_LT((with_more.mean.head(n) - with_less.mean).norm(), 1e-6 * with_less.mean.norm());
-    EXPECT_LT((with_more.covariance.topLeftCorner(n, n) - with_less.covariance).norm(),
-              1e-6 * with_less.covariance.norm());
+  const auto on_its_law = [&](const LinearGaussianModel& of, std::size_t effect) {
+    return of.on_its_law(estimate(of), effect);
   };
-  same(estimate(one, 0), estimate(without));
-  same(estimate(both, 1), estimate(one));
-  EXPECT_GT(estimate(both).covariance(1, 1), 1.1 * estimate(both, 0).covariance(1, 1)) << "a form blurs it";
+  const auto same = [](const Gaussian& found, const Gaussian& expected, Index n) {
+    const VectorXd mean = expected.mean.head(n);
+    const MatrixXd covariance = expected.covariance.topLeftCorner(n, n);
+    EXPECT_LT((found.mean.head(n) - mean).norm(), 1e-9 * mean.norm());
+    EXPECT_LT((found.covariance.topLeftCorner(n, n) - covariance).norm(), 1e-9 * covariance.norm());
+  };
+  const Index none = estimate(without).mean.size(), of_one = estimate(one).mean.size();
+  same(on_its_law(one, 0), estimate(without), none);
+  same(on_its_law(both, 0), estimate(other), none);
+  same(on_its_law(both, 1), estimate(one), of_one);
+  EXPECT_GT(estimate(both).covariance(1, 1), 1.1 * on_its_law(both, 0).covariance(1, 1)) << "a form blurs it";
 }
 
 TEST(Posterior, AModelMayHaveTheEffectsOfAnother) {
