@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "background.h"
@@ -91,20 +92,55 @@ struct Left {
   bool adequate = false;  ///< nothing of a size that matters
 };
 
-Left left_in(const JointModel& model, const Linearised& at, const Unseen& unseen, const Floor& floor,
-             unsigned jobs) {
+/// But for what a flexible model learns.
+Left without_learning(const JointModel& model, const Linearised& at, const Unseen& unseen,
+                      const Floor& floor) {
   Left left;
-  left.learnt = ceiling(model, at, unseen.residual, jobs);
   left.shared = leftover(model, at, unseen);
   left.as_noise = unseen.total_chi2 < kPolicy.verdict.as_noise_chi2 * std::max(1, at.rows);
-  const double length_m = model.arm().total_length_m();
+  left.adequate = left.as_noise && !is_shared(left.shared, model.arm().total_length_m()) &&
+                  !(left.shared.lone_z > kPolicy.verdict.shared_z &&
+                    left.shared.lone_m > kPolicy.verdict.lone * std::sqrt(floor.white_m2));
+  return left;
+}
+
+/// @param learnt by the flexible model
+Left with_learning(Left left, double learnt, const JointModel& model, const Unseen& unseen,
+                   const Floor& floor) {
+  left.learnt = learnt;
   const double flexible_m =
-      std::sqrt(std::max(0.0, std::pow(unseen.total_rms_m, 2) * left.learnt - floor.motion_m2));
-  left.adequate =
-      left.as_noise && !is_shared(left.shared, length_m) &&
-      !(left.shared.lone_z > kPolicy.verdict.shared_z &&
-        left.shared.lone_m > kPolicy.verdict.lone * std::sqrt(floor.white_m2)) &&
-      (flexible_m < kPolicy.verdict.flexible * length_m || left.learnt < kPolicy.verdict.flexible_share);
+      std::sqrt(std::max(0.0, std::pow(unseen.total_rms_m, 2) * learnt - floor.motion_m2));
+  left.adequate = left.adequate && (flexible_m < kPolicy.verdict.flexible * model.arm().total_length_m() ||
+                                    learnt < kPolicy.verdict.flexible_share);
+  return left;
+}
+
+/// What is left before and after the effects, and with small departures beside them.
+struct LeftBy {
+  Left before, after;
+  std::optional<Left> with;  ///< where `after` is not adequate
+};
+
+LeftBy left_by(const JointModel& model, const Selection& selection, const Floor& floor, unsigned jobs) {
+  const Unseen &before = selection.baseline_unseen, &after = selection.extended_unseen,
+               &with = selection.with_background;
+  const bool extended = !selection.extended.at.effects.empty();
+  LeftBy left;
+  left.before = without_learning(model, selection.baseline, before, floor);
+  left.after = extended ? without_learning(model, selection.extended, after, floor) : left.before;
+  // The flexible model learns from all at once that are wanted for sure: each costs less so.
+  const bool with_is_wanted = !left.after.adequate;
+  std::vector<Unexplained> wanted{{selection.baseline, before.residual}};
+  if (extended) wanted.push_back({selection.extended, after.residual});
+  if (with_is_wanted) wanted.push_back({selection.extended, with.residual});
+  const std::vector<double> learnt = ceilings(model, wanted, jobs);
+  left.before = with_learning(left.before, learnt.front(), model, before, floor);
+  left.after = extended ? with_learning(left.after, learnt[1], model, after, floor) : left.before;
+  if (left.after.adequate) return left;
+  const double learnt_with =
+      with_is_wanted ? learnt.back() : ceiling(model, selection.extended, with.residual, jobs);
+  left.with = with_learning(without_learning(model, selection.extended, with, floor), learnt_with, model,
+                            with, floor);
   return left;
 }
 
@@ -113,8 +149,8 @@ Remains compare(const JointModel& model, const Selection& selection, unsigned jo
   const Unseen &before = selection.baseline_unseen, &after = selection.extended_unseen;
   const bool extended = !selection.extended.at.effects.empty();
   const Floor floor = floor_of(model);
-  const Left in_before = left_in(model, selection.baseline, before, floor, jobs);
-  const Left in_after = extended ? left_in(model, selection.extended, after, floor, jobs) : in_before;
+  const LeftBy left_by_all = left_by(model, selection, floor, jobs);
+  const Left &in_before = left_by_all.before, &in_after = left_by_all.after;
   d.noise_floor_m = std::sqrt(floor.white_m2);
   d.baseline = fit_of(before, selection.baseline.rows);
   d.extended = fit_of(after, selection.extended.rows);
@@ -122,10 +158,8 @@ Remains compare(const JointModel& model, const Selection& selection, unsigned jo
 
   Remains left{in_before.shared, in_after.shared, in_after.adequate, {}};
   const double length_m = model.arm().total_length_m();
-  if (!left.adequate) {
-    const Unseen& with = selection.with_background;
-    const Left in_with = left_in(model, selection.extended, with, floor, jobs);
-    left.small_m = small_departures_m(after, with, in_with.adequate, length_m);
+  if (left_by_all.with) {
+    left.small_m = small_departures_m(after, selection.with_background, left_by_all.with->adequate, length_m);
     left.adequate = left.small_m.has_value();
   }
   const double small2 = std::pow(left.small_m.value_or(0.0), 2);

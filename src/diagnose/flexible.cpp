@@ -33,8 +33,9 @@ MatrixXd pick(const MatrixXd& from, const std::vector<Eigen::Index>& rows,
 /// Instants that show all bodies, every n-th of them: features as multiples of their spread, residuals of the
 /// bodies.
 struct Instants {
-  MatrixXd x, y;
-  VectorXd weight;  ///< by precision, 1 on average over means of the usual length
+  MatrixXd x, y;           ///< y: of several fits beside each other
+  Eigen::Index width = 0;  ///< columns of y that are one fit's
+  VectorXd weight;         ///< by precision, 1 on average over means of the usual length
   std::vector<std::size_t> trial;
   /// Columns of x by which it may go: what drives the arm now, with its past, with plays narrow or wide,
   /// plays alone, all there is.
@@ -115,6 +116,7 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
   Instants out;
   out.x.resize(static_cast<Eigen::Index>(keep), values.cols());
   out.y.resize(out.x.rows(), 3 * static_cast<Eigen::Index>(bodies));
+  out.width = out.y.cols();
   out.weight.resize(out.x.rows());
   double means = 0.0;
   for (std::size_t i = 0; i < keep; ++i) {
@@ -135,6 +137,12 @@ Instants instants_of(const JointModel& model, const Linearised& at, const std::v
   out.views = views_of(inputs);
   out.inputs = inputs;
   return out;
+}
+
+/// Whether kernels and weights of these are the same.
+bool is_driven_alike(const Instants& one, const Instants& other) {
+  return one.x.rows() == other.x.rows() && one.x.cols() == other.x.cols() && one.x == other.x &&
+         one.weight == other.weight && one.trial == other.trial;
 }
 
 MatrixXd columns_of(const MatrixXd& x, const std::vector<Eigen::Index>& columns) {
@@ -178,23 +186,38 @@ class Regression {
 
   const std::vector<Setting>& settings() const { return settings_; }
 
-  /// Weighted square that is left of each instant once what some say of it is taken off.
-  VectorXd left(const Setting& setting, const std::vector<Eigen::Index>& learnt) const {
+  /// Weighted squares that are left of each instant once what some say of it is taken off: one column per
+  /// fit.
+  MatrixXd left(const Setting& setting, const std::vector<Eigen::Index>& learnt) const {
+    return left_of(instants_.y, setting, learnt);
+  }
+  /// The same of one fit alone.
+  VectorXd left(const Setting& setting, const std::vector<Eigen::Index>& learnt, Eigen::Index fit) const {
+    return left_of(instants_.y.middleCols(fit * instants_.width, instants_.width), setting, learnt);
+  }
+  /// The same with nothing taken off.
+  MatrixXd square() const { return squares_of(instants_.y); }
+
+ private:
+  MatrixXd left_of(const MatrixXd& y, const Setting& setting, const std::vector<Eigen::Index>& learnt) const {
     const MatrixXd& kernel = kernels_[setting.kernel];
     MatrixXd k = pick(kernel, learnt, &learnt);
     for (std::size_t i = 0; i < learnt.size(); ++i)
       k.diagonal()[static_cast<Eigen::Index>(i)] += setting.noise / instants_.weight[learnt[i]];
     math::CholeskyFactor factor;
     factor.compute(k);
-    const MatrixXd weights = factor.solve_columns(pick(instants_.y, learnt, nullptr));
-    return instants_.weight.cwiseProduct(
-        (instants_.y - columns_of(kernel, learnt) * weights).rowwise().squaredNorm());
+    const MatrixXd weights = factor.solve_columns(pick(y, learnt, nullptr));
+    return squares_of(y - columns_of(kernel, learnt) * weights);
   }
 
-  /// The same with nothing taken off.
-  VectorXd square() const { return instants_.weight.cwiseProduct(instants_.y.rowwise().squaredNorm()); }
+  MatrixXd squares_of(const MatrixXd& y) const {
+    MatrixXd squares(y.rows(), y.cols() / instants_.width);
+    for (Eigen::Index fit = 0; fit < squares.cols(); ++fit)
+      squares.col(fit) = instants_.weight.cwiseProduct(
+          y.middleCols(fit * instants_.width, instants_.width).rowwise().squaredNorm());
+    return squares;
+  }
 
- private:
   const Instants& instants_;
   std::vector<MatrixXd> kernels_;  ///< by view and reach, then of inputs alone
   std::vector<Setting> settings_;
@@ -253,27 +276,32 @@ int best_without(const std::vector<MatrixXd>& one_fold, const Eigen::RowVectorXd
   return best;
 }
 
-/// Weighted squares that are left of all instants, each fold by the others.
-double left_by_regression(const Regression& regression, const FoldRows& folds, unsigned jobs) {
+/// Weighted squares that are left of all instants, each fold by the others; of each fit.
+Eigen::RowVectorXd left_by_regression(const Regression& regression, const FoldRows& folds, unsigned jobs) {
   const auto n = static_cast<Eigen::Index>(folds.size());
   const std::vector<Setting>& settings = regression.settings();
-  std::vector<MatrixXd> one_fold(settings.size(), MatrixXd(n, n));
+  const MatrixXd square = regression.square();
+  const auto fits = static_cast<std::size_t>(square.cols());
+  std::vector<std::vector<MatrixXd>> one_fold(fits, std::vector<MatrixXd>(settings.size(), MatrixXd(n, n)));
   math::in_parallel(settings.size(), jobs, [&](std::size_t s) {
-    for (Eigen::Index f = 0; f < n; ++f)
-      one_fold[s].row(f) = by_fold(folds, regression.left(settings[s], folds[static_cast<std::size_t>(f)]));
+    for (Eigen::Index f = 0; f < n; ++f) {
+      const MatrixXd by_one = regression.left(settings[s], folds[static_cast<std::size_t>(f)]);
+      for (std::size_t fit = 0; fit < fits; ++fit)
+        one_fold[fit][s].row(f) = by_fold(folds, by_one.col(static_cast<Eigen::Index>(fit)));
+    }
   });
-  const Eigen::RowVectorXd square = by_fold(folds, regression.square());
-  Eigen::RowVectorXd left(n);
-  math::in_parallel(folds.size(), jobs, [&](std::size_t f) {
-    const auto fold = static_cast<Eigen::Index>(f);
+  MatrixXd left(n, square.cols());
+  math::in_parallel(folds.size() * fits, jobs, [&](std::size_t i) {
+    const auto fold = static_cast<Eigen::Index>(i / fits), fit = static_cast<Eigen::Index>(i % fits);
+    const VectorXd own = square.col(fit);
     // Of two folds there is nothing within the other one to choose by.
-    const int best = best_without(one_fold, square, n > 2 ? fold : -1);
+    const int best = best_without(one_fold[i % fits], by_fold(folds, own), n > 2 ? fold : -1);
     const VectorXd by_others =
-        best < 0 ? regression.square()
-                 : regression.left(settings[static_cast<std::size_t>(best)], all_but(folds, f));
-    left[fold] = by_fold(folds, by_others)[fold];
+        best < 0 ? own
+                 : regression.left(settings[static_cast<std::size_t>(best)], all_but(folds, i / fits), fit);
+    left(fold, fit) = by_fold(folds, by_others)[fold];
   });
-  return left.sum();
+  return left.colwise().sum();
 }
 
 }  // namespace
@@ -335,12 +363,40 @@ Features features(const JointModel& model, const Linearised& at) {
 
 double ceiling(const JointModel& model, const Linearised& at, const std::vector<VectorXd>& residual,
                unsigned jobs) {
-  const Instants instants = instants_of(model, at, residual);
-  if (instants.x.rows() < kPolicy.flexible.fewest_instants || model.trials().size() < 2) return 0.0;
-  const double before = instants.weight.dot(instants.y.rowwise().squaredNorm());
-  const auto folds = folds_of(instants, model.sequences());
-  const double left = left_by_regression(Regression(instants, jobs), folds, jobs);
-  return before > 0.0 ? std::max(0.0, 1.0 - left / before) : 0.0;
+  return ceilings(model, {{at, residual}}, jobs).front();
+}
+
+std::vector<double> ceilings(const JointModel& model, const std::vector<Unexplained>& list, unsigned jobs) {
+  std::vector<double> shares(list.size(), 0.0);
+  if (model.trials().size() < 2) return shares;
+  std::vector<Instants> alike;
+  std::vector<std::vector<std::size_t>> members;  // of the list, by those of `alike`
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    Instants own = instants_of(model, list[i].at, list[i].residual);
+    if (own.x.rows() < kPolicy.flexible.fewest_instants) continue;
+    std::size_t a = 0;
+    while (a < alike.size() && !is_driven_alike(alike[a], own)) ++a;
+    if (a == alike.size()) {
+      alike.push_back(std::move(own));
+      members.push_back({i});
+      continue;
+    }
+    MatrixXd y(own.y.rows(), alike[a].y.cols() + own.width);
+    y << alike[a].y, own.y;
+    alike[a].y = std::move(y);
+    members[a].push_back(i);
+  }
+  for (std::size_t a = 0; a < alike.size(); ++a) {
+    const Regression regression(alike[a], jobs);
+    const Eigen::RowVectorXd before = regression.square().colwise().sum();
+    const Eigen::RowVectorXd left =
+        left_by_regression(regression, folds_of(alike[a], model.sequences()), jobs);
+    for (std::size_t m = 0; m < members[a].size(); ++m) {
+      const auto fit = static_cast<Eigen::Index>(m);
+      if (before[fit] > 0.0) shares[members[a][m]] = std::max(0.0, 1.0 - left[fit] / before[fit]);
+    }
+  }
+  return shares;
 }
 
 }  // namespace softarm::diagnose

@@ -18,6 +18,14 @@ namespace softarm::diagnose {
 double ceiling(const JointModel& model, const Linearised& at, const std::vector<Eigen::VectorXd>& residual,
                unsigned jobs);
 
+/// Residuals, as of ceiling(), and the fit that they are of.
+struct Unexplained {
+  const Linearised& at;
+  const std::vector<Eigen::VectorXd>& residual;
+};
+/// ceiling() of each: for little more than that of one where the same drives the arm in their fits.
+std::vector<double> ceilings(const JointModel& model, const std::vector<Unexplained>& list, unsigned jobs);
+
 /// What the process knows of each block: one row per used block; names of the columns.
 struct Features {
   Eigen::MatrixXd values;

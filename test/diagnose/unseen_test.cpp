@@ -283,6 +283,27 @@ TEST(Ceiling, LearnsLoopsWideAndNarrowAndNothingOfNoise) {
   EXPECT_LT(ceiling(looked.model, looked.baseline, residuals(looked, nothing), 0), 0.01);
 }
 
+TEST(Ceiling, OfSeveralAtOnceIsThatOfEach) {
+  const testing::RecordedCase drawn = unseen_case(6);
+  const testing::Looked looked(drawn.arm, drawn.trials);
+  const auto bend = [&](std::size_t t, std::size_t k) {
+    return 2e-8 * looked.baseline.predicted[t][k].instant.inputs[0];
+  };
+  const std::vector<VectorXd> nothing = residuals(looked, [](std::size_t, std::size_t) { return 0.0; }),
+                              something = residuals(looked, bend);
+  Linearised driven_otherwise = looked.baseline;
+  for (auto& trial : driven_otherwise.predicted)
+    for (model::Predicted& one : trial) one.instant.inputs = one.instant.inputs.cwiseAbs2().eval();
+  const std::vector<double> shares =
+      ceilings(looked.model,
+               {{looked.baseline, nothing}, {driven_otherwise, something}, {looked.baseline, something}}, 2);
+  ASSERT_EQ(shares.size(), 3U);
+  EXPECT_NEAR(shares[0], ceiling(looked.model, looked.baseline, nothing, 1), 1e-9);
+  EXPECT_NEAR(shares[1], ceiling(looked.model, driven_otherwise, something, 1), 1e-9);
+  EXPECT_NEAR(shares[2], ceiling(looked.model, looked.baseline, something, 1), 1e-9);
+  EXPECT_GT(shares[2], shares[0] + 0.3);
+}
+
 /// For trees: inputs, what follows them, and plays of them, of each instant.
 struct Told {
   std::vector<VectorXd> now;
