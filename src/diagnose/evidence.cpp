@@ -95,6 +95,42 @@ double sd_of_background(double left, double unknown_sd, double background) {
   return std::hypot(unknown_sd, 1.0 / std::hypot(1.0 / kPolicy.posterior.most_background, left / background));
 }
 
+/// Sets about one fit, by their places in the list.
+struct AboutOne {
+  const LinearGaussianModel* about = nullptr;
+  std::vector<std::size_t> sets;
+};
+
+std::vector<AboutOne> by_fit(const std::vector<Evaluated>& list) {
+  std::vector<AboutOne> fits;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    auto fit = std::find_if(fits.begin(), fits.end(),
+                            [&](const AboutOne& known) { return known.about == list[i].about; });
+    if (fit == fits.end()) fit = fits.insert(fits.end(), AboutOne{list[i].about, {}});
+    fit->sets.push_back(i);
+  }
+  return fits;
+}
+
+/// Noise of greatest likelihood at the coefficients that the sets have.
+void adapt_noise(const std::vector<AboutOne>& fits, unsigned jobs, std::vector<Evaluated>& list) {
+  const std::size_t directions = fits.front().about->directions();
+  std::vector<MatrixXd> coefficients;
+  for (const AboutOne& fit : fits) {
+    MatrixXd columns(fit.about->coefficients(), static_cast<Index>(fit.sets.size()));
+    for (std::size_t s = 0; s < fit.sets.size(); ++s)
+      columns.col(static_cast<Index>(s)) = list[fit.sets[s]].marginal.coefficients;
+    coefficients.push_back(std::move(columns));
+  }
+  for (Evaluated& set : list) set.marginal.noise.resize(directions);
+  math::in_parallel(fits.size() * directions, jobs, [&](std::size_t i) {
+    const AboutOne& fit = fits[i / directions];
+    const std::size_t d = i % directions;
+    const std::vector<DirectionNoise> noise = fit.about->noise_of(d, coefficients[i / directions]);
+    for (std::size_t s = 0; s < fit.sets.size(); ++s) list[fit.sets[s]].marginal.noise[d] = noise[s];
+  });
+}
+
 }  // namespace
 
 double background_sd(const Signature& effect, double background) {
@@ -191,28 +227,33 @@ LinearGaussianModel::InBasis LinearGaussianModel::spectra_of(const VectorXd& eig
   return in;
 }
 
-std::vector<DirectionNoise> LinearGaussianModel::noise_of(const VectorXd& coefficients) const {
-  const Index n = turned_[0].residual.rows(), m = turned_[0].residual.cols();
-  std::vector<DirectionNoise> list(static_cast<std::size_t>(m));
-  std::vector<double> best(static_cast<std::size_t>(m), -1e300);
-  const auto count = static_cast<double>(n);
+std::vector<DirectionNoise> LinearGaussianModel::noise_of(std::size_t direction,
+                                                          const MatrixXd& coefficients) const {
+  const Index sets = coefficients.cols();
+  std::vector<DirectionNoise> list(static_cast<std::size_t>(sets));
+  std::vector<double> best(list.size(), -1e300);
+  const auto count = static_cast<double>(turned_[0].residual.rows());
   for (std::size_t kernel = 0; kernel < turned_.size(); ++kernel) {
     const InBasis& turned = turned_[kernel];
-    for (std::size_t d = 0; d < list.size(); ++d) {
-      const VectorXd square =
-          (turned.residual.col(static_cast<Index>(d)) - turned.signatures[d] * coefficients).cwiseAbs2();
-      const VectorXd means = turned.inverse_spectra.transpose() * square / count;
+    MatrixXd left = turned.residual.col(static_cast<Index>(direction)).replicate(1, sets);
+    if (sets == 1)  // else Eigen copies the signatures for a product of matrices
+      left.col(0).noalias() -= turned.signatures[direction] * coefficients.col(0);
+    else
+      left.noalias() -= turned.signatures[direction] * coefficients;
+    const MatrixXd means = turned.inverse_spectra.transpose() * left.cwiseAbs2() / count;
+    for (std::size_t i = 0; i < list.size(); ++i) {
       for (std::size_t s = 0; s < std::size(kShares); ++s) {
-        const double share = kShares[s], mean = means[static_cast<Index>(s)];
+        const double share = kShares[s], mean = means(static_cast<Index>(s), static_cast<Index>(i));
         const double variance = std::max(mean, kPolicy.posterior.least_white / (1.0 - share));
         const double log = -0.5 * (count * std::log(variance) + turned.log_spectra[static_cast<Index>(s)] +
                                    count * mean / variance);
-        if (log <= best[d]) continue;
-        best[d] = log;
-        list[d] = {kernel, share, variance};
+        if (log <= best[i]) continue;
+        best[i] = log;
+        list[i] = {kernel, share, variance};
       }
     }
   }
+  for (const DirectionNoise& noise : list) unit_sums(direction, noise.kernel, noise.share);
   return list;
 }
 
@@ -297,16 +338,10 @@ double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectL
 }
 
 Marginal LinearGaussianModel::evaluate(const EffectList& present, double background,
-                                       std::vector<DirectionNoise> noise) const {
-  Marginal marginal;
-  if (noise.empty()) noise = noise_of(VectorXd::Zero(mean().size()));
-  for (int i = 0; i < kNoiseIterations; ++i) {
-    integrate(normal_equations(noise), present, background, marginal.coefficients);
-    noise = noise_of(marginal.coefficients);
-  }
-  marginal.noise = std::move(noise);
-  marginal.log = integrate(normal_equations(marginal.noise), present, background, marginal.coefficients);
-  return marginal;
+                                       const std::vector<DirectionNoise>& noise) const {
+  std::vector<Evaluated> one{{this, present, background}};
+  diagnose::evaluate(one, noise, 1);
+  return std::move(one.front().marginal);
 }
 
 VectorXd LinearGaussianModel::log_by_instant(const Marginal& marginal, const Bases& bases) const {
@@ -333,6 +368,25 @@ VectorXd LinearGaussianModel::log_by_instant(const Marginal& marginal, const Bas
     log -= 0.5 * eigen.back(left).cwiseProduct(eigen.back(over_variance)).rowwise().sum();
   }
   return log;
+}
+
+void evaluate(std::vector<Evaluated>& list, const std::vector<DirectionNoise>& noise, unsigned jobs) {
+  if (list.empty()) return;
+  const std::vector<AboutOne> fits = by_fit(list);
+  const auto integrate = [&] {
+    math::in_parallel(list.size(), jobs, [&](std::size_t i) {
+      Evaluated& set = list[i];
+      set.marginal.log = set.about->integrate(set.about->normal_equations(set.marginal.noise), set.present,
+                                              set.background, set.marginal.coefficients);
+    });
+  };
+  for (Evaluated& set : list) set.marginal = {0.0, VectorXd::Zero(set.about->coefficients()), noise};
+  if (noise.empty()) adapt_noise(fits, jobs, list);
+  for (int i = 0; i < kNoiseIterations; ++i) {
+    integrate();
+    adapt_noise(fits, jobs, list);
+  }
+  integrate();
 }
 
 }  // namespace softarm::diagnose

@@ -73,7 +73,7 @@ class LinearGaussianModel {
 
   /// With the noise of greatest likelihood, begun from `noise`; empty: from that of the residuals.
   Marginal evaluate(const EffectList& present, double background,
-                    std::vector<DirectionNoise> noise = {}) const;
+                    const std::vector<DirectionNoise>& noise = {}) const;
   NormalEquations normal_equations(const std::vector<DirectionNoise>& noise) const;
   /// Log marginal likelihood under these sums.
   double integrate(const NormalEquations& sums, const EffectList& present, double background,
@@ -88,9 +88,13 @@ class LinearGaussianModel {
   /// @param bases that the model was made with
   Eigen::VectorXd log_by_instant(const Marginal& marginal, const Bases& bases) const;
   const EffectList& effects() const { return each_; }
+  /// Noise of greatest likelihood of one direction, by columns of coefficients, p x s; their unit_sums() are
+  /// known then.
+  std::vector<DirectionNoise> noise_of(std::size_t direction, const Eigen::MatrixXd& coefficients) const;
+  std::size_t directions() const { return turned_.front().signatures.size(); }
+  Eigen::Index coefficients() const { return mean().size(); }
 
  private:
-  std::vector<DirectionNoise> noise_of(const Eigen::VectorXd& coefficients) const;
   /// Of the coefficients, before the data.
   Eigen::VectorXd precision(const EffectList& present, double background) const;
 
@@ -124,5 +128,17 @@ class LinearGaussianModel {
   Eigen::Index courses_ = 0;               ///< ... by course
   EffectList each_;                        ///< once each
 };
+
+/// A set of effects under a background, about one fit.
+struct Evaluated {
+  const LinearGaussianModel* about = nullptr;
+  EffectList present;
+  double background = 0.0;
+  Marginal marginal = {};
+};
+/// Fills the marginals, as LinearGaussianModel::evaluate() does, all from one noise. Signatures are more than
+/// caches hold: those about one fit are read once for all its sets.
+/// @param list about models made with the same bases
+void evaluate(std::vector<Evaluated>& list, const std::vector<DirectionNoise>& noise, unsigned jobs);
 
 }  // namespace softarm::diagnose

@@ -102,20 +102,26 @@ class Search {
 
   /// Evaluates these sets in parallel, from a noise near theirs.
   void evaluate(std::vector<Model> list, const std::vector<DirectionNoise>& noise) {
-    math::in_parallel(list.size(), jobs_, [&](std::size_t i) {
-      Model& m = list[i];
-      m.marginal.log = kNothing;
-      for (const std::size_t number : about_.of(m.effects)) {
-        Marginal marginal =
-            about_.model(number).evaluate(about_.beside(number, m.effects), m.background, noise);
-        if (!(marginal.log > m.marginal.log)) continue;
-        m.marginal = std::move(marginal);
-        m.about = number;
+    std::vector<Evaluated> each;                          // about each fit that may suit it
+    std::vector<std::pair<std::size_t, std::size_t>> of;  // place in the list, and number of the fit
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      list[i].marginal.log = kNothing;
+      for (const std::size_t number : about_.of(list[i].effects)) {
+        each.push_back({&about_.model(number), about_.beside(number, list[i].effects), list[i].background});
+        of.emplace_back(i, number);
       }
+    }
+    diagnose::evaluate(each, noise, jobs_);
+    for (std::size_t e = 0; e < each.size(); ++e) {
+      Model& m = list[of[e].first];
+      if (!(each[e].marginal.log > m.marginal.log)) continue;
+      m.marginal = std::move(each[e].marginal);
+      m.about = of[e].second;
+    }
+    for (Model& m : list) {
       m.log = m.marginal.log + before_data(m.effects);
-    });
-    for (Model& model : list)
-      if (model.marginal.log > kNothing) models_.push_back(std::move(model));
+      if (m.marginal.log > kNothing) models_.push_back(std::move(m));
+    }
   }
 
   /// What one effect more would bring to a model, under its own noise.

@@ -118,6 +118,31 @@ TEST(Posterior, AModelMayHaveTheEffectsOfAnother) {
   EXPECT_LT((found.coefficients - expected.coefficients).norm(), 1e-9 * expected.coefficients.norm());
 }
 
+TEST(Posterior, SetsEvaluatedTogetherAreAsEvaluatedAlone) {
+  std::mt19937_64 random(17);
+  EvidenceData data = made_up(40, 4, 5, 0.7, random);
+  data.residual += 1.5 * data.effects[2].moves;
+  const Bases bases = bases_of(data);
+  const LinearGaussianModel none(data, bases);
+  data.unknowns.push_back({nullptr, 0.0, 5.0, data.effects[2].moves});
+  const LinearGaussianModel refit(data, bases, 2, &none, data.effects[2].effect);
+  const EffectList one{data.effects[1].effect}, two{data.effects[1].effect, data.effects[4].effect};
+  const std::vector<DirectionNoise> noise = none.evaluate({}, 2e-4).noise;
+  for (const auto& from : {std::vector<DirectionNoise>{}, noise}) {
+    std::vector<Evaluated> together{
+        {&none, {}, 1e-5}, {&refit, one, 2e-4}, {&none, one, 1e-5}, {&none, two, 2e-4}};
+    evaluate(together, from, 2);
+    for (const Evaluated& set : together) {
+      const Marginal alone = set.about->evaluate(set.present, set.background, from);
+      EXPECT_NEAR(set.marginal.log, alone.log, 1e-9 * std::abs(alone.log));
+      EXPECT_LT((set.marginal.coefficients - alone.coefficients).norm(), 1e-9 * alone.coefficients.norm());
+      ASSERT_EQ(set.marginal.noise.size(), alone.noise.size());
+      for (std::size_t d = 0; d < alone.noise.size(); ++d)
+        EXPECT_NEAR(set.marginal.noise[d].variance, alone.noise[d].variance, 1e-9 * alone.noise[d].variance);
+    }
+  }
+}
+
 TEST(Posterior, OneOfManyChambersIsAsMuchLessProbableBeforehand) {
   std::mt19937_64 random(7);
   EvidenceData data = made_up(40, 3, 4, 0.7, random);
