@@ -95,6 +95,20 @@ double sd_of_background(double left, double unknown_sd, double background) {
   return std::hypot(unknown_sd, 1.0 / std::hypot(1.0 / kPolicy.posterior.most_background, left / background));
 }
 
+/// Log marginal likelihood under these sums, coefficients having this mean and precision beforehand.
+double log_integral(const NormalEquations& sums, const VectorXd& precision, const VectorXd& mean,
+                    VectorXd& coefficients) {
+  if (precision.size() == 0) return -0.5 * (sums.log_determinant + sums.square);
+  MatrixXd information = sums.information;
+  information.diagonal() += precision;
+  const VectorXd score = sums.score + precision.cwiseProduct(mean);
+  const Eigen::LLT<MatrixXd> factor(information);
+  coefficients = factor.solve(score);
+  const double least = sums.square + precision.dot(mean.cwiseAbs2()) - score.dot(coefficients);
+  const double log_posterior = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+  return -0.5 * (sums.log_determinant + least + log_posterior - precision.array().log().sum());
+}
+
 /// Sets about one fit, by their places in the list.
 struct AboutOne {
   const LinearGaussianModel* about = nullptr;
@@ -326,15 +340,43 @@ Gaussian LinearGaussianModel::on_its_law(const Gaussian& estimate, std::size_t e
 
 double LinearGaussianModel::integrate(const NormalEquations& sums, const EffectList& present,
                                       double background, VectorXd& coefficients) const {
-  const VectorXd precision = this->precision(present, background);
-  MatrixXd information = sums.information;
+  return log_weight_ + log_integral(sums, precision(present, background), mean(), coefficients);
+}
+
+std::vector<Index> LinearGaussianModel::rows(bool of_effects) const {
+  std::vector<Index> rows;
+  for (std::size_t j = 0; j < effect_.size(); ++j)
+    if ((effect_[j] != nullptr) == of_effects) rows.push_back(static_cast<Index>(j));
+  return rows;
+}
+
+NormalEquations LinearGaussianModel::over_effects(const NormalEquations& sums) const {
+  const std::vector<Index> own = rows(true), others = rows(false);
+  // As Cholesky does it with these first: what it comes to for the effects is what it would go on with.
+  const VectorXd precision = math::rows_of(this->precision({}, 1.0), others);
+  const VectorXd means = math::rows_of(mean(), others);
+  MatrixXd information = math::block_of(sums.information, others);
   information.diagonal() += precision;
-  const VectorXd score = sums.score + precision.cwiseProduct(mean());
   const Eigen::LLT<MatrixXd> factor(information);
-  coefficients = factor.solve(score);
-  const double least = sums.square + precision.dot(mean().cwiseAbs2()) - score.dot(coefficients);
-  const double log_posterior = 2.0 * factor.matrixLLT().diagonal().array().log().sum();
-  return log_weight_ - 0.5 * (sums.log_determinant + least + log_posterior - precision.array().log().sum());
+  MatrixXd mixed(information.rows(), static_cast<Index>(own.size()));
+  for (std::size_t j = 0; j < own.size(); ++j)
+    mixed.col(static_cast<Index>(j)) = math::rows_of(sums.information.col(own[j]), others);
+  factor.matrixL().solveInPlace(mixed);
+  VectorXd score = math::rows_of(sums.score, others) + precision.cwiseProduct(means);
+  factor.matrixL().solveInPlace(score);
+  return {math::block_of(sums.information, own) - mixed.transpose() * mixed,
+          math::rows_of(sums.score, own) - mixed.transpose() * score,
+          sums.square + precision.dot(means.cwiseAbs2()) - score.squaredNorm(),
+          sums.log_determinant + 2.0 * factor.matrixLLT().diagonal().array().log().sum() -
+              precision.array().log().sum()};
+}
+
+double LinearGaussianModel::integrate_effects(const NormalEquations& sums, const EffectList& present,
+                                              double background) const {
+  const std::vector<Index> own = rows(true);
+  VectorXd unused;
+  return log_weight_ + log_integral(sums, math::rows_of(precision(present, background), own),
+                                    math::rows_of(mean(), own), unused);
 }
 
 Marginal LinearGaussianModel::evaluate(const EffectList& present, double background,

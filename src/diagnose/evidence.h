@@ -78,6 +78,12 @@ class LinearGaussianModel {
   /// Log marginal likelihood under these sums.
   double integrate(const NormalEquations& sums, const EffectList& present, double background,
                    Eigen::VectorXd& coefficients) const;
+  /// Such sums for the coefficients of effects alone: the others, whose priors no set changes, are integrated
+  /// out.
+  NormalEquations over_effects(const NormalEquations& sums) const;
+  /// integrate(), for many sets under one noise.
+  /// @param sums over_effects()
+  double integrate_effects(const NormalEquations& sums, const EffectList& present, double background) const;
   /// Of all coefficients, under these sums.
   Gaussian estimate(const NormalEquations& sums, const EffectList& present, double background) const;
   /// Such an estimate as if an effect of the fit had no other form: its coefficients of the forms are 0.
@@ -95,6 +101,8 @@ class LinearGaussianModel {
   Eigen::Index coefficients() const { return mean().size(); }
 
  private:
+  /// Places of the coefficients of effects, or of all others.
+  std::vector<Eigen::Index> rows(bool of_effects) const;
   /// Of the coefficients, before the data.
   Eigen::VectorXd precision(const EffectList& present, double background) const;
 

@@ -128,7 +128,8 @@ class Search {
   std::vector<Model> one_more(const Model& from) const {
     std::vector<NormalEquations> sums(about_.count());
     math::in_parallel(sums.size(), jobs_, [&](std::size_t i) {
-      sums[i] = about_.model(i).normal_equations(from.marginal.noise);
+      const LinearGaussianModel& model = about_.model(i);
+      sums[i] = model.over_effects(model.normal_equations(from.marginal.noise));
     });
     std::vector<EffectList> sets;
     for (const Effect* effect : candidates_) {
@@ -141,13 +142,12 @@ class Search {
     constexpr std::size_t kBackgrounds = std::size(kPolicy.posterior.background);
     std::vector<Model> list(sets.size() * kBackgrounds);
     math::in_parallel(sets.size(), jobs_, [&](std::size_t i) {
-      Eigen::VectorXd unused;
       for (std::size_t b = 0; b < kBackgrounds; ++b) {
         const double background = kPolicy.posterior.background[b];
         double log = kNothing;
         for (const std::size_t number : about_.of(sets[i]))
-          log = std::max(log, about_.model(number).integrate(sums[number], about_.beside(number, sets[i]),
-                                                             background, unused));
+          log = std::max(log, about_.model(number).integrate_effects(
+                                  sums[number], about_.beside(number, sets[i]), background));
         list[i * kBackgrounds + b] = {sets[i], background, log + before_data(sets[i]), {}, 0, 0.0};
       }
     });

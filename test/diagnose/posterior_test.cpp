@@ -143,6 +143,26 @@ TEST(Posterior, SetsEvaluatedTogetherAreAsEvaluatedAlone) {
   }
 }
 
+TEST(Posterior, OverEffectsAloneTheEvidenceIsTheSame) {
+  std::mt19937_64 random(19);
+  EvidenceData data = made_up(40, 4, 5, 20.0, random);
+  data.unknowns[0].log_weight = -0.3;
+  data.done = {2.0 * data.unknowns[1].moves};
+  const LinearGaussianModel model(data, bases_of(data));
+  const NormalEquations sums = model.normal_equations(model.evaluate({}, 2e-4).noise);
+  const NormalEquations over_effects = model.over_effects(sums);
+  ASSERT_EQ(over_effects.score.size(), 5);
+  const EffectList sets[] = {{}, {data.effects[1].effect}, {data.effects[1].effect, data.effects[4].effect}};
+  for (const EffectList& set : sets) {
+    for (const double background : kPolicy.posterior.background) {
+      VectorXd unused;
+      const double expected = model.integrate(sums, set, background, unused);
+      EXPECT_NEAR(model.integrate_effects(over_effects, set, background), expected,
+                  1e-9 * std::abs(expected));
+    }
+  }
+}
+
 TEST(Posterior, OneOfManyChambersIsAsMuchLessProbableBeforehand) {
   std::mt19937_64 random(7);
   EvidenceData data = made_up(40, 3, 4, 0.7, random);
