@@ -12,7 +12,6 @@
 namespace softarm::diagnose {
 namespace {
 
-using Eigen::Vector3d;
 using Eigen::VectorXd;
 using model::Block;
 using model::Predicted;
@@ -388,10 +387,15 @@ void JointModel::weigh(Linearised& lin) const {
     VectorXd& root = lin.root_weight[t];
     for (Eigen::Index row = 0; row < root.size(); row += 3) {
       const double before = root.segment<3>(row).maxCoeff();
-      if (!(before > 0.0)) continue;
+      if (!(before > 0.0)) {
+        // It may be of a linearisation nearby, which had an equilibrium there.
+        lin.derivative[t].middleRows<3>(row).setZero();
+        continue;
+      }
       const double distance = lin.residual[t].segment<3>(row).norm() / before;
       const double now = std::sqrt(huber_weight(distance, threshold_));
       root.segment<3>(row).setConstant(now);
+      if (now == before) continue;  // most are no outliers, and were none
       lin.residual[t].segment<3>(row) *= now / before;
       lin.derivative[t].middleRows<3>(row) *= now / before;
     }
@@ -423,7 +427,6 @@ void JointModel::weigh(Linearised& lin) const {
 std::vector<TimeStretch> JointModel::stretches_of(const Linearised& lin, std::size_t t) const {
   const auto count = static_cast<Eigen::Index>(lin.columns.size());
   std::vector<TimeStretch> list;
-  Eigen::Index row = 0;
   double from_s = -1e9;
   for (const Block& block : trials_[t].blocks) {
     const double t_s = trials_[t].series.t_s[static_cast<Eigen::Index>(block.first)];
@@ -435,26 +438,31 @@ std::vector<TimeStretch> JointModel::stretches_of(const Linearised& lin, std::si
       list.push_back(std::move(stretch));
       from_s = t_s;
     }
-    TimeStretch& stretch = list.back();
-    stretch.all_rows += 3 * static_cast<Eigen::Index>(block.bodies.size());
-    for (std::size_t i = 0; i < block.bodies.size(); ++i, row += 3) add_to(stretch, lin, row, 3);
-    stretch.tangent_rows += 3 * static_cast<Eigen::Index>(block.tangents.size());
+    list.back().all_rows += 3 * static_cast<Eigen::Index>(block.bodies.size());
+    list.back().tangent_rows += 3 * static_cast<Eigen::Index>(block.tangents.size());
+  }
+  Eigen::Index row = 0;
+  for (TimeStretch& stretch : list) {
+    add_to(stretch, lin, row, stretch.all_rows, 3);
+    row += stretch.all_rows;
   }
   for (TimeStretch& stretch : list) {
-    for (Eigen::Index end = row + stretch.tangent_rows; row < end; row += 3) add_to(stretch, lin, row, 2);
+    add_to(stretch, lin, row, stretch.tangent_rows, 2);
+    row += stretch.tangent_rows;
   }
   return list;
 }
 
-void JointModel::add_to(TimeStretch& stretch, const Linearised& lin, Eigen::Index row,
+/// @param rows of one stretch, one after the other: what is not used is 0 there
+void JointModel::add_to(TimeStretch& stretch, const Linearised& lin, Eigen::Index first, Eigen::Index rows,
                         int degrees_of_freedom) const {
-  if (!(lin.root_weight[stretch.trial][row] > 0.0)) return;
-  const auto j = lin.derivative[stretch.trial].middleRows<3>(row);
-  const Vector3d r = lin.residual[stretch.trial].segment<3>(row);
+  const auto j = lin.derivative[stretch.trial].middleRows(first, rows);
+  const auto r = lin.residual[stretch.trial].segment(first, rows);
   stretch.information.noalias() += j.transpose() * j;
   stretch.gradient.noalias() += j.transpose() * r;
   stretch.square += r.squaredNorm();
-  stretch.rows += degrees_of_freedom;
+  for (Eigen::Index row = first; row < first + rows; row += 3)
+    if (lin.root_weight[stretch.trial][row] > 0.0) stretch.rows += degrees_of_freedom;
 }
 
 }  // namespace softarm::diagnose

@@ -266,7 +266,8 @@ class JointModel {
   Eigen::VectorXd signature(const Linearised& at, std::size_t trial, const JointParameters& changed,
                             const model::ExtendedModel::Varied& varied, const Eigen::MatrixXd& moves,
                             double step) const;
-  void add_to(TimeStretch& stretch, const Linearised& at, Eigen::Index row, int degrees_of_freedom) const;
+  void add_to(TimeStretch& stretch, const Linearised& at, Eigen::Index first, Eigen::Index rows,
+              int degrees_of_freedom) const;
   class Evaluation;  ///< of the problem of fit()
   class BodyCost;
   bool minimise(Evaluation& evaluation, const FitOptions& how, double& radius, int& iterations);
