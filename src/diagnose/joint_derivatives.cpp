@@ -323,7 +323,7 @@ Linearised JointModel::linearise(const JointParameters& parameters,
 
 Linearised JointModel::linearise_at(const JointParameters& parameters,
                                     std::vector<std::vector<Predicted>> predicted, Derivatives how,
-                                    const Linearised* near) {
+                                    const Linearised* near, bool by_all) {
   const bool whole = how == Derivatives::kWhole;
   const double size = whole ? kWholeStep : kStep;
   Linearised lin;
@@ -332,6 +332,8 @@ Linearised JointModel::linearise_at(const JointParameters& parameters,
   lin.predicted = std::move(predicted);
   std::vector<double> steps(lin.columns.size(), size);
   const std::vector<JointParameters> changed = one_step_each(lin, steps);
+  const std::vector<bool> all(rod().parameters().size(), true);
+  lin.complete = by_all;
   lin.residual.resize(trials_.size());
   lin.derivative.resize(trials_.size());
   lin.root_weight.resize(trials_.size());
@@ -353,13 +355,14 @@ Linearised JointModel::linearise_at(const JointParameters& parameters,
     const std::vector<Eigen::Index> alike =
         shared && !whole ? columns_alike(*near, lin.columns) : std::vector<Eigen::Index>(changed.size(), -1);
     std::vector<model::ExtendedModel::Varied> varied;
-    for (std::size_t c = 0; c < changed.size() && (!whole || !shared); ++c) {
+    for (std::size_t c = 0; c < changed.size() && !(whole && (shared || by_all)); ++c) {
       if (alike[c] >= 0) continue;
       // How a body is mounted changes nothing of the arm.
       const bool mount = lin.columns[c].kind == JointUnknown::Kind::kMount;
       varied.push_back(mount ? lin.reference[t] : vary(t, changed[c], parameters, lin.predicted[t]));
     }
-    if (!shared) differentiate(parameters, t, changed_by(varied, lin.reference[t]), lin.predicted[t]);
+    if (!shared)
+      differentiate(parameters, t, by_all ? all : changed_by(varied, lin.reference[t]), lin.predicted[t]);
     compare();
     if (whole) {
       lin.derivative[t] =

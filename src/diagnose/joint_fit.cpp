@@ -326,11 +326,11 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   return at;
 }
 
-void JointModel::take_own_derivatives(Linearised& at) {
+void JointModel::take_own_derivatives(Linearised& at, bool by_all) {
   threshold_ = threshold_at(at.predicted);
   const Derivatives how =
       has_configuration_dependent_load(at.at) ? Derivatives::kWhole : Derivatives::kShapesHeld;
-  Linearised own = linearise_at(at.at, std::move(at.predicted), how, nullptr);
+  Linearised own = linearise_at(at.at, std::move(at.predicted), how, nullptr, by_all);
   own.own_derivatives = true;
   own.converged = at.converged;
   own.given_up = at.given_up;

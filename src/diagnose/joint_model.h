@@ -170,7 +170,8 @@ class JointModel {
                  const std::vector<std::vector<model::Predicted>>* start = nullptr);
 
   /// Makes a fit's derivatives the arm's own there, whole ones where loads depend on the shape.
-  void take_own_derivatives(Linearised& at);
+  /// @param by_all complete ones: where signatures() are wanted of it, they cost less so than afterwards
+  void take_own_derivatives(Linearised& at, bool by_all = false);
 
   /// A fit without some trials, from parameters that are near; of these nothing is predicted.
   /// @param without by trial
@@ -249,9 +250,10 @@ class JointModel {
                                     const JointParameters& at,
                                     const std::vector<model::Predicted>& predicted);
   /// At these parameters, of which the predictions are given.
+  /// @param by_all to be complete; without any nearby
   Linearised linearise_at(const JointParameters& parameters,
                           std::vector<std::vector<model::Predicted>> predicted, Derivatives how,
-                          const Linearised* near);
+                          const Linearised* near, bool by_all = false);
   /// Where the arm swings in its modes.
   model::SwingOfChange swing_of_change(std::size_t trial,
                                        const std::vector<model::Predicted>& predicted) const;

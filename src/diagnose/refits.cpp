@@ -323,7 +323,7 @@ void linearise_leaders(JointModel& model, const Standing& current, std::vector<R
                                least + 2.0 * inflation(best->fit) * kPolicy.selection.hopeless);
   for (Refitted& r : refitted) {
     if (r.fit.own_derivatives || r.fit.square > most) continue;
-    model.take_own_derivatives(r.fit);
+    model.take_own_derivatives(r.fit, true);
     r.evidence.reset();
     r.unseen = unseen(model, r.fit);
   }
