@@ -8,7 +8,6 @@
 
 #include "evidence.h"
 #include "math/linear_algebra.h"
-#include "math/parallel.h"
 #include "policy.h"
 #include "ranges.h"
 #include "screen.h"
@@ -60,7 +59,7 @@ Unseen with_background(JointModel& model, Linearised& at, const std::vector<mode
   const std::size_t trials = model.trials().size();
   std::vector<MatrixXd> columns(trials);
   std::vector<TrialSums> sums(trials);
-  math::in_parallel(trials, jobs, [&](std::size_t t) {
+  model.each_trial(jobs, [&](std::size_t t) {
     const MatrixXd moves = signatures_of(model, at, t, steps);
     columns[t].resize(moves.rows(), at.derivative[t].cols() + moves.cols());
     columns[t] << at.derivative[t], moves;

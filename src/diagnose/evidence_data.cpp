@@ -6,7 +6,6 @@
 
 #include "flexible.h"
 #include "math/linear_algebra.h"
-#include "math/parallel.h"
 #include "policy.h"
 #include "ranges.h"
 
@@ -250,7 +249,7 @@ void add_effects(JointModel& model, const Shown& shown, Linearised& at, const Li
         unknown_sd(model.unknown_inertia(), *step.present.effect, step.present.values / step.step);
     data.effects.back().log_choices = log_choices(model, *step.present.effect);
   }
-  math::in_parallel(model.trials().size(), jobs, [&](std::size_t t) {
+  model.each_trial(jobs, [&](std::size_t t) {
     const Eigen::VectorXd weight =
         (at.root_weight[t].array() > 0.0).select(like.root_weight[t].cwiseQuotient(at.root_weight[t]), 0.0);
     const MatrixXd moves = weight.asDiagonal() * signatures_of(model, at, t, steps);

@@ -266,13 +266,13 @@ std::size_t JointModel::leave_out_ends(double offset_s) {
   return count;
 }
 
-void JointModel::each_trial(const std::function<void(std::size_t)>& work) const {
+void JointModel::each_trial(unsigned jobs, const std::function<void(std::size_t)>& work) const {
   std::vector<std::size_t> order(trials_.size());
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return trials_[a].blocks.size() > trials_[b].blocks.size();
   });
-  math::in_parallel(order.size(), jobs_, [&](std::size_t i) { work(order[i]); });
+  math::in_parallel(order.size(), jobs, [&](std::size_t i) { work(order[i]); });
 }
 
 void JointModel::look_at(const std::vector<std::size_t>& trials) {

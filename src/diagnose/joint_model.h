@@ -117,7 +117,9 @@ class JointModel {
                                               const std::vector<model::Predicted>* start);
   unsigned jobs() const { return jobs_; }
   /// Calls work(trial) for each, several at once; the longest begin, so that none is left alone at the end.
-  void each_trial(const std::function<void(std::size_t)>& work) const;
+  /// @param jobs threads, as of the constructor: its own, where it is not told
+  void each_trial(const std::function<void(std::size_t)>& work) const { each_trial(jobs_, work); }
+  void each_trial(unsigned jobs, const std::function<void(std::size_t)>& work) const;
   enum class Derivatives {
     kShapesHeld,  ///< to first order with shapes held in what depends on them
     kWhole,       ///< differences of whole predictions
