@@ -16,6 +16,15 @@ JointModel::FitOptions rough_fit() {
   return roughly;
 }
 
+/// Goes on from where a rough fit ended. The arm moves as it did there, so that what was predicted still
+/// holds.
+Linearised finished(JointModel& model, const Linearised& roughly) {
+  JointModel::FitOptions how;
+  how.known = true;
+  how.begins = &roughly;
+  return model.fit(roughly.at, how, &roughly.predicted);
+}
+
 /// @return nothing where a delay is not found, is in the arm file already, or explains nothing
 std::optional<Linearised> fit_with_delay(JointModel& model, const Linearised& without) {
   for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
@@ -64,7 +73,7 @@ FirstFits first_fits(JointModel& model, const std::function<void()>& progress) {
     how.near = how.known ? &baseline : nullptr;
     baseline = model.fit(anew ? model.start() : baseline.at, how, &baseline.predicted);
   }
-  baseline = model.fit(baseline.at, {}, &baseline.predicted);
+  baseline = finished(model, baseline);
   if (first.delayed) first.delayed = model.fit(first.delayed->at, {}, &first.delayed->predicted);
   return first;
 }
@@ -75,7 +84,7 @@ void fit_again_from(const JointParameters& constants, JointModel& model, FirstFi
   Linearised& baseline = first.baseline;
   baseline = model.fit(from, rough_fit());
   model.set_misfit(std::max(1.0, baseline.square / std::max(1, baseline.rows)));
-  baseline = model.fit(baseline.at, {}, &baseline.predicted);
+  baseline = finished(model, baseline);
   if (!first.delayed) return;
   from.effects = first.delayed->at.effects;
   first.delayed = model.fit(std::move(from), {});
