@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "effects/catalogue.h"
 #include "math/linear_algebra.h"
@@ -102,18 +103,35 @@ std::vector<StretchRows> rows_of_stretches(const Linearised& at, std::size_t tri
 struct Sums {
   MatrixXd own, mixed;
   VectorXd score;
+
+  Sums& operator+=(const Sums& other) {
+    own += other.own;
+    mixed += other.mixed;
+    score += other.score;
+    return *this;
+  }
+  Sums without(const Sums& part) const { return {own - part.own, mixed - part.mixed, score - part.score}; }
 };
 
-Sums sum_of(const Variant& variant, const Linearised& at, std::size_t but_trial) {
+/// A variant's over all stretches of each trial.
+std::vector<Sums> sums_of_trials(const Variant& variant, const Linearised& at) {
   const auto k = variant.usual.size();
-  Sums sums{MatrixXd::Zero(k, k), MatrixXd::Zero(at.information.rows(), k), VectorXd::Zero(k)};
+  std::vector<Sums> list(
+      variant.moves.size(),
+      Sums{MatrixXd::Zero(k, k), MatrixXd::Zero(at.information.rows(), k), VectorXd::Zero(k)});
   for (std::size_t c = 0; c < at.stretches.size(); ++c) {
-    if (at.stretches[c].trial == but_trial) continue;
-    sums.own += variant.own[c];
-    sums.mixed += variant.mixed[c];
-    sums.score += variant.score[c];
+    Sums& trial = list[at.stretches[c].trial];
+    trial.own += variant.own[c];
+    trial.mixed += variant.mixed[c];
+    trial.score += variant.score[c];
   }
-  return sums;
+  return list;
+}
+
+Sums sum_of(const std::vector<Sums>& trials) {
+  Sums sum = trials.front();
+  for (std::size_t t = 1; t < trials.size(); ++t) sum += trials[t];
+  return sum;
 }
 
 VectorXd into_range(const Variant& variant, VectorXd sizes) {
@@ -124,28 +142,42 @@ VectorXd into_range(const Variant& variant, VectorXd sizes) {
   return sizes;
 }
 
-/// Information and gradient of the fit without one trial.
+/// The fit without one trial.
 struct Others {
-  MatrixXd information;
+  math::SymmetricSolver information;
   VectorXd gradient;
+  VectorXd step;  ///< of the unknowns
 };
 
-std::vector<Others> without_each(const JointModel& model, const Linearised& at) {
-  std::vector<Others> list(model.trials().size(), Others{information_within_ranges(at), at.gradient});
+/// What all variants are judged by, factored once.
+struct Fits {
+  math::SymmetricSolver information;
+  std::vector<Others> without_each;  ///< of the trials
+};
+
+Fits fits_of(const JointModel& model, const Linearised& at) {
+  const MatrixXd all = information_within_ranges(at);
+  std::vector<MatrixXd> information(model.trials().size(), all);
+  std::vector<VectorXd> gradient(information.size(), at.gradient);
   for (const TimeStretch& stretch : at.stretches) {
-    list[stretch.trial].information -= stretch.information;
-    list[stretch.trial].gradient -= stretch.gradient;
+    information[stretch.trial] -= stretch.information;
+    gradient[stretch.trial] -= stretch.gradient;
   }
-  return list;
+  Fits fits{math::SymmetricSolver(all), {}};
+  for (std::size_t t = 0; t < information.size(); ++t) {
+    math::SymmetricSolver solver(information[t]);
+    VectorXd step = solver.solve(gradient[t]);
+    fits.without_each.push_back({std::move(solver), std::move(gradient[t]), std::move(step)});
+  }
+  return fits;
 }
 
 /// By which chi^2 of one trial falls with the variant's sizes, both as the others have them.
-double unseen_gain(const Linearised& at, const Variant& variant, const Others& others, std::size_t trial,
-                   double misfit) {
-  const Sums rest = sum_of(variant, at, trial);
-  const math::SymmetricSolver solver(others.information);
-  const VectorXd alone = solver.solve(others.gradient);
-  const MatrixXd m = solver.solve_columns(rest.mixed);
+/// @param rest the variant's sums over the others
+double unseen_gain(const Linearised& at, const Variant& variant, const Others& others, const Sums& rest,
+                   std::size_t trial, double misfit) {
+  const VectorXd& alone = others.step;
+  const MatrixXd m = others.information.solve_columns(rest.mixed);
   MatrixXd h = rest.own - rest.mixed.transpose() * m;
   for (Eigen::Index i = 0; i < h.rows(); ++i)
     h(i, i) += misfit / (kPolicy.fit.size_sd * kPolicy.fit.size_sd) + kLeastVariance * rest.own(i, i);
@@ -165,16 +197,14 @@ double unseen_gain(const Linearised& at, const Variant& variant, const Others& o
   return gain;
 }
 
-Screened judge(const JointModel& model, const Linearised& at, const Variant& variant,
-               const std::vector<Others>& others) {
+Screened judge(const Linearised& at, const Variant& variant, const Fits& fits) {
   const double misfit = std::max(1.0, at.square / std::max(1, at.rows));
   Screened out;
   out.effect = variant.effect;
   const auto k = variant.usual.size();
-  const std::size_t none = model.trials().size();
-  const Sums all = sum_of(variant, at, none);
-  const math::SymmetricSolver solver(information_within_ranges(at));
-  const MatrixXd m = solver.solve_columns(all.mixed);
+  const std::vector<Sums> trials = sums_of_trials(variant, at);
+  const Sums all = sum_of(trials);
+  const MatrixXd m = fits.information.solve_columns(all.mixed);
   const MatrixXd orthogonal = all.own - all.mixed.transpose() * m;
   const VectorXd score = all.score - m.transpose() * at.gradient;
   MatrixXd information = orthogonal;
@@ -209,7 +239,8 @@ Screened judge(const JointModel& model, const Linearised& at, const Variant& var
   const double whole = which.dot(all.own * which);
   out.collinearity = whole > 0.0 ? std::clamp(1.0 - which.dot(orthogonal * which) / whole, 0.0, 1.0) : 1.0;
 
-  for (std::size_t t = 0; t < none; ++t) out.unseen_gain += unseen_gain(at, variant, others[t], t, misfit);
+  for (std::size_t t = 0; t < trials.size(); ++t)
+    out.unseen_gain += unseen_gain(at, variant, fits.without_each[t], all.without(trials[t]), t, misfit);
   return out;
 }
 
@@ -337,7 +368,7 @@ void set_sizes(JointModel& model, const Linearised& at, std::vector<Best>& best)
     b.sizes = b.screened.values.head(b.variant->usual.size()).cwiseQuotient(b.variant->usual);
     const bool none = b.sizes.isZero();
     if (none) b.sizes.setOnes();
-    b.absorbed = solver.solve(sum_of(*b.variant, at, model.trials().size()).mixed * b.sizes);
+    b.absorbed = solver.solve(sum_of(sums_of_trials(*b.variant, at)).mixed * b.sizes);
     b.screened.absorbed = none ? VectorXd::Zero(b.absorbed.size()) : b.absorbed;
     b.screened.direction.resize(rows);
   }
@@ -395,7 +426,7 @@ std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
   model.complete(at);
   std::vector<Variant> list = variants(model, at);
   if (known != nullptr) begin_with(known->list, list);
-  const std::vector<Others> others = without_each(model, at);
+  const Fits fits = fits_of(model, at);
   std::vector<Screened> judged(list.size());
   std::vector<std::size_t> which(list.size());
   std::iota(which.begin(), which.end(), std::size_t{0});
@@ -404,7 +435,7 @@ std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
     for (const std::size_t i : which) these.push_back(&list[i]);
     fill_sums(model, at, these, progress);
     math::in_parallel(which.size(), jobs,
-                      [&](std::size_t i) { judged[which[i]] = judge(model, at, *these[i], others); });
+                      [&](std::size_t i) { judged[which[i]] = judge(at, *these[i], fits); });
     const bool first = which.size() == list.size();
     which = first ? made_anew(list, judged) : std::vector<std::size_t>();
   }
