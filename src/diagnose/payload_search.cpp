@@ -69,9 +69,7 @@ class PayloadSearch {
   /// The one that gains most beside those; nothing where none is worth a second diagnosis.
   std::optional<FoundPayload> next() const {
     FoundPayload best;
-    for (std::size_t t = 0; t < is_in_.size(); ++t) {
-      if (!is_in_[t]) take_better(in_one_trial(t), best);
-    }
+    for (FoundPayload& of_trial : in_each_trial()) take_better(std::move(of_trial), best);
     const std::map<double, std::vector<TrialStretch>> groups = told_alike();
     for (const auto& [told_kg, trials] : groups) {
       for (std::vector<TrialStretch>& some : several_of(trials)) {
@@ -142,6 +140,14 @@ class PayloadSearch {
     if (!one.payload.exchanged_kg && !leaves_some(one.payload.where)) return;
     const PayloadEquations::Gain gain = equations_.gain(sums_.over(one.payload.where), span);
     if (std::abs(gain.more) * usual_kg_ >= least_kg(list_)) one.gain = gain;
+  }
+  /// Of each trial; nothing of those that have one.
+  std::vector<FoundPayload> in_each_trial() const {
+    std::vector<FoundPayload> list(is_in_.size());
+    model_.each_trial([&](std::size_t t) {
+      if (!is_in_[t]) list[t] = in_one_trial(t);
+    });
+    return list;
   }
   /// Of one trial what gains most: another payload in all of it, or in all of it that was told the same, or
   /// there from some time on, or up to one.
