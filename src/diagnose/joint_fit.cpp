@@ -1,6 +1,5 @@
 // The fit of the joint model: bounds, steps, convergence. What it minimises is in joint_loss.cpp.
 #include <ceres/ceres.h>
-#include <ceres/normal_prior.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -18,7 +17,6 @@
 namespace softarm::diagnose {
 namespace {
 
-using Eigen::Vector3d;
 using Eigen::VectorXd;
 using model::Predicted;
 using model::Present;
@@ -38,8 +36,7 @@ constexpr double kMostShortening = 0.5;
 
 }  // namespace
 
-/// All bodies at the unknowns where Ceres is: predicted, and where it wants derivatives, linearised. The
-/// costs of the bodies then only copy.
+/// All bodies at the unknowns where Ceres is: predicted, and where it wants derivatives, linearised.
 class JointModel::Evaluation : public ceres::EvaluationCallback {
  public:
   Evaluation(JointModel& model, Linearised at, Derivatives how, const Linearised* near)
@@ -52,9 +49,9 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
       if (derivatives)
         model_.predict(parameters(), &at_.predicted, there_);
       else
-        model_.predict_within(parameters(), at_.predicted, model_.threshold_, accepted(), there_);
-      residual_.resize(there_.size());
-      for (std::size_t t = 0; t < there_.size(); ++t) residual_[t] = model_.residual(t, there_[t]);
+        // Ceres takes no step that ends beyond where it is.
+        model_.predict_within(parameters(), at_.predicted, model_.threshold_,
+                              twice_cost(at_.predicted, x_at_), there_);
       x_there_ = x_;
     }
     if (!derivatives || x_ == x_at_) return;
@@ -83,25 +80,15 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
     at_ = model_.linearise_at(at_.at, std::move(at_.predicted), how_, nullptr);
   }
 
-  /// Predicted less measured, whitened, of the body that begins at a row; 0 without an equilibrium.
-  Vector3d residual(std::size_t trial, Eigen::Index row) const {
-    if (x_ != x_at_) return -residual_[trial].segment<3>(row);
-    const double root = at_.root_weight[trial][row];
-    return root > 0.0 ? Vector3d(-at_.residual[trial].segment<3>(row) / root) : Vector3d::Zero();
-  }
-  /// Its derivative by the j-th unknown.
-  Vector3d derivative(std::size_t trial, Eigen::Index row, Eigen::Index j) const {
-    const double root = at_.root_weight[trial][row];
-    return root > 0.0 ? Vector3d(at_.derivative[trial].col(j).segment<3>(row) / root) : Vector3d::Zero();
-  }
+  /// Where Ceres is.
+  double twice_cost() const { return twice_cost(x_ == x_at_ ? at_.predicted : there_, x_); }
 
  private:
-  /// Twice the cost where derivatives were wanted last: Ceres takes no step that ends beyond it.
-  double accepted() const {
-    double sum = model_.loss(at_.predicted, model_.threshold_);
+  double twice_cost(const std::vector<std::vector<Predicted>>& predicted, const VectorXd& x) const {
+    double sum = model_.loss(predicted, model_.threshold_);
     for (std::size_t j = 0; j < at_.columns.size(); ++j) {
       const JointUnknown& c = at_.columns[j];
-      sum += model_.misfit_ * std::pow((x_at_[static_cast<Eigen::Index>(j)] - c.start) / c.prior_sd, 2);
+      sum += model_.misfit_ * std::pow((x[static_cast<Eigen::Index>(j)] - c.start) / c.prior_sd, 2);
     }
     return sum;
   }
@@ -118,37 +105,51 @@ class JointModel::Evaluation : public ceres::EvaluationCallback {
   const Linearised* near_;  ///< whose derivatives by the rod will do; nullptr: its own
   Linearised at_;
   std::vector<std::vector<Predicted>> there_;
-  std::vector<VectorXd> residual_;  ///< of there_, by trial
-  VectorXd x_at_, x_there_;         ///< where linearised last, and predicted; NaN: nowhere
-  VectorXd x_;                      ///< where Ceres is
+  VectorXd x_at_, x_there_;  ///< where linearised last, and predicted; NaN: nowhere
+  VectorXd x_;               ///< where Ceres is
 };
 
-/// The place or the tangent of one body of one block.
-class JointModel::BodyCost : public ceres::CostFunction {
+/// Huber's loss of all bodies, and the priors. Of thousands of residuals Ceres would only make the sums that
+/// a linearisation has: J^T J and J^T r. As many residuals as there are unknowns have the same sums, and one
+/// more, without derivatives, makes up the rest of the cost.
+class JointModel::WholeCost : public ceres::CostFunction {
  public:
-  /// @param unsolved distance of a body whose arm has no equilibrium
-  BodyCost(const Evaluation& evaluation, std::size_t trial, Eigen::Index row, double unsolved)
-      : evaluation_(evaluation), trial_(trial), row_(row), unsolved_(unsolved) {
-    set_num_residuals(3);
-    mutable_parameter_block_sizes()->assign(evaluation.at().columns.size(), 1);
+  explicit WholeCost(const Evaluation& evaluation) : evaluation_(evaluation) {
+    const std::size_t unknowns = evaluation.at().columns.size();
+    set_num_residuals(static_cast<int>(unknowns) + 1);
+    mutable_parameter_block_sizes()->assign(unknowns, 1);
   }
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
-    Eigen::Map<Vector3d> r(residuals);
-    r = evaluation_.residual(trial_, row_);
-    if (r.isZero()) r.x() = unsolved_;
-    if (jacobians == nullptr) return true;
-    for (std::size_t j = 0; j < parameter_block_sizes().size(); ++j)
-      if (jacobians[j] != nullptr)
-        Eigen::Map<Vector3d>{jacobians[j]} =
-            evaluation_.derivative(trial_, row_, static_cast<Eigen::Index>(j));
+    Eigen::Map<VectorXd> r(residuals, num_residuals());
+    r.setZero();
+    if (jacobians != nullptr) {
+      // J is a root of the information. Scaled, so that what counts little is not lost beside what counts
+      // much.
+      const Linearised& at = evaluation_.at();
+      const VectorXd scale = at.information.diagonal().cwiseSqrt();
+      const VectorXd per = scale.cwiseInverse();
+      const math::Eigensystem eigen =
+          math::eigensystem_of(per.asDiagonal() * at.information * per.asDiagonal());
+      const VectorXd root = eigen.values.cwiseMax(kRounding).cwiseSqrt();
+      const Eigen::Index n = scale.size();
+      r.head(n) = -(eigen.vectors.transpose() * per.cwiseProduct(at.gradient)).cwiseQuotient(root);
+      for (Eigen::Index j = 0; j < n; ++j) {
+        if (jacobians[j] == nullptr) continue;
+        Eigen::Map<VectorXd> derivative(jacobians[j], n + 1);
+        derivative.head(n) = scale[j] * root.cwiseProduct(eigen.vectors.row(j).transpose());
+        derivative[n] = 0.0;
+      }
+    }
+    // Less than nothing is rounding. What is no number stays none: Ceres takes no such step.
+    const double rest = evaluation_.twice_cost() - r.squaredNorm();
+    r[r.size() - 1] = rest < 0.0 ? 0.0 : std::sqrt(rest);
     return true;
   }
 
  private:
+  static constexpr double kRounding = 1e-15;  // of information over its diagonal
+
   const Evaluation& evaluation_;
-  const std::size_t trial_;
-  const Eigen::Index row_;
-  const double unsolved_;
 };
 
 double expected_square(const Linearised& at) {
@@ -219,8 +220,6 @@ bool JointModel::minimise(Evaluation& evaluation, const FitOptions& how, double&
            step_left(evaluation.at()) < how.tolerance || evaluation.is_hopeless(how.most_square);
   };
   ceres::Problem::Options problem_options;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.disable_all_safety_checks = true;
   ceres::Solver::Options options;
   math::set_evaluation_callback(evaluation, problem_options, options);
   ceres::Problem problem(problem_options);
@@ -233,29 +232,8 @@ bool JointModel::minimise(Evaluation& evaluation, const FitOptions& how, double&
     problem.SetParameterLowerBound(x, 0, c.low / c.scale);
     problem.SetParameterUpperBound(x, 0, c.high / c.scale);
     if (held[j]) problem.SetParameterBlockConstant(x);
-    problem.AddResidualBlock(
-        new ceres::NormalPrior(Eigen::MatrixXd::Constant(1, 1, std::sqrt(misfit_) / c.prior_sd),
-                               VectorXd::Constant(1, c.start)),
-        nullptr, x);
   }
-  ceres::HuberLoss huber(threshold_);
-  for (std::size_t t = 0; t < trials_.size(); ++t) {
-    Eigen::Index row = 0;
-    for (std::size_t k = 0; k < trials_[t].blocks.size(); ++k) {
-      for (std::size_t i = 0; i < trials_[t].blocks[k].bodies.size(); ++i, row += 3) {
-        if (used_[t][k])
-          problem.AddResidualBlock(new BodyCost(evaluation, t, row, kUnsolved * threshold_), &huber,
-                                   unknowns);
-      }
-    }
-    for (std::size_t k = 0; k < trials_[t].blocks.size(); ++k) {
-      for (std::size_t i = 0; i < trials_[t].blocks[k].tangents.size(); ++i, row += 3) {
-        if (used_[t][k])
-          problem.AddResidualBlock(new BodyCost(evaluation, t, row, kUnsolved * threshold_), &huber,
-                                   unknowns);
-      }
-    }
-  }
+  problem.AddResidualBlock(new WholeCost(evaluation), nullptr, unknowns);
   Watch watch(enough, iterations, damped);
   set_steps(radius, iterations, evaluation.has_own_derivatives(), options);
   options.callbacks.push_back(&watch);

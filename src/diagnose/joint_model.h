@@ -273,7 +273,7 @@ class JointModel {
   void add_to(TimeStretch& stretch, const Linearised& at, Eigen::Index first, Eigen::Index rows,
               int degrees_of_freedom) const;
   class Evaluation;  ///< of the problem of fit()
-  class BodyCost;
+  class WholeCost;
   bool minimise(Evaluation& evaluation, const FitOptions& how, double& radius, int& iterations);
   /// Huber's weights by the present threshold, and all sums.
   void weigh(Linearised& at) const;
