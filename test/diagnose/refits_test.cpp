@@ -427,7 +427,7 @@ TEST(Ending, WhatPredictsUnseenTrialsWorseIsTakenOutAgainAndWhatIsThereStays) {
 
 TEST(Ending, OfTwoEffectsThatDoTheSameOneStaysWithTheOtherAsItsRival) {
   const testing::RecordedCase drawn = testing::recorded_case(
-      "{count_weights: [0, 1], from: [pressure_stiffening], size: [0.5, 0.8]}", 5, 4, 8.0);
+      "{count_weights: [0, 1], from: [pressure_stiffening], size: [1.5, 2.0]}", 5, 5, 10.0);
   testing::Looked looked(drawn.arm, drawn.trials);
   Extended extended(looked, "pressure_stiffening");
   Started again(looked);
