@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "doubt.h"
+#include "findings.h"
+#include "floor.h"
 #include "policy.h"
 
 namespace softarm::diagnose {
@@ -14,10 +16,10 @@ namespace {
 
 constexpr double kNothing = 1e-6;  // of a usual size: rounding
 
-/// What was screened last, but for what may be mistaken for effects of the model.
-Round without_rivals(const Selection& selection) {
+/// What was screened, but for what may be mistaken for effects of the model.
+Round without_rivals(const Selection& selection, const std::vector<Screened>& screened) {
   Round alone;
-  for (const Screened& s : selection.rounds.back().screened) {
+  for (const Screened& s : screened) {
     const bool rival = std::any_of(selection.round_of.begin(), selection.round_of.end(), [&](std::size_t r) {
       const EffectList& rivals = selection.rounds[r].rivals;
       return std::find(rivals.begin(), rivals.end(), s.effect) != rivals.end();
@@ -100,19 +102,39 @@ void keep_one(JointModel& model, Standing& current, Selection& selection, Pair p
 
 /// How sure all of the model is.
 /// @param of_all the posterior about this model
+/// @param screened upon it
 /// @param selection that came to it
-Doubt doubt_in(JointModel& model, Standing& current, const Posterior& of_all, const Options& options,
-               const Selection& selection) {
-  Round alone = without_rivals(selection);
+Doubt doubt_in(JointModel& model, Standing& current, const Posterior& of_all,
+               const std::vector<Screened>& screened, const Options& options, const Selection& selection) {
+  Round alone = without_rivals(selection, screened);
   const std::size_t catalogue = selection.rounds.front().screened.size();
-  return doubt_about(current.fit, of_all,
-                     alone.screened.size() < selection.rounds.back().screened.size()
-                         ? posterior_of(model, current, alone, options.jobs)
-                         : of_all,
-                     between_folds(model, current.fit), catalogue, model.unknown_inertia());
+  return doubt_about(
+      current.fit, of_all,
+      alone.screened.size() < screened.size() ? posterior_of(model, current, alone, options.jobs) : of_all,
+      between_folds(model, current.fit), catalogue, model.unknown_inertia());
 }
 
 }  // namespace
+
+std::size_t count_stand_ins(JointModel& model, Standing& current, const Round& round,
+                            const Selection& selection, const Options& options) {
+  const Doubt doubt = doubt_in(model, current, round.posterior, round.screened, options, selection);
+  const double length_m = model.arm().total_length_m();
+  const double left_m =
+      std::sqrt(std::max(0.0, std::pow(current.unseen.total_rms_m, 2) - floor_of(model).white_m2));
+  std::size_t count = 0;
+  for (std::size_t e = 0; e < doubt.still_there.size(); ++e) {
+    const model::Present& present = current.fit.at.effects[e];
+    const Round& of = selection.rounds[selection.round_of[e]];
+    const double part_m = of.refitted[static_cast<std::size_t>(of.taken)].moved_m;
+    const bool of_sensors = is_of_sensors_alone(present.effect->info(), is_short_delay(present));
+    count +=
+        doubt.still_there[e] * is_no_stand_in(part_m, left_m, length_m, of_sensors) < kPolicy.words.likely;
+  }
+  // Of these each is doubtful on the other's account, and one will stay.
+  if (count > 0 && doing_the_same(current.fit, doubt)) --count;
+  return count;
+}
 
 Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selection& selection,
                        const Options& options) {
@@ -129,7 +151,7 @@ Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selecti
   Round last;
   last.screened = selection.rounds.back().screened;
   const Posterior of_all = posterior_of(other, standing, last, options.jobs);
-  return doubt_in(other, standing, of_all, options, selection);
+  return doubt_in(other, standing, of_all, last.screened, options, selection);
 }
 
 Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
@@ -140,7 +162,7 @@ Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& s
   if (drop_superfluous(model, current, selection.round_of))
     of_all = posterior_of(model, current, last, options.jobs);
   for (;;) {
-    selection.doubt = doubt_in(model, current, of_all, options, selection);
+    selection.doubt = doubt_in(model, current, of_all, last.screened, options, selection);
     if (const std::optional<Pair> pair = doing_the_same(current.fit, selection.doubt)) {
       keep_one(model, current, selection, *pair);
       of_all = posterior_of(model, current, last, options.jobs);

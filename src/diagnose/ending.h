@@ -15,6 +15,11 @@ struct Ending {
 Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
                               const Options& options);
 
+/// Effects of the model so far that are hardly there (Words::likely): they stand in for something else.
+/// @param round that was looked at upon it, not yet of the selection
+std::size_t count_stand_ins(JointModel& model, Standing& current, const Round& round,
+                            const Selection& selection, const Options& options);
+
 /// How sure the effects that were selected are in another model of the arm, all fitted anew.
 /// @param alone its fit without effects
 Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selection& selection,

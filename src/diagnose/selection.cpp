@@ -155,12 +155,16 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
     Round round = look_here(refits);
     if (!refits && n < static_cast<std::size_t>(std::max(0, options.most_effects)) && is_any_certain(round))
       round = look_here(true);
+    const bool lost =
+        n >= kPolicy.selection.most_stand_ins &&
+        count_stand_ins(model, current, round, selection, options) >= kPolicy.selection.most_stand_ins;
+    if (lost) round.taken = -1;
     if (round.anew && n == 0) {
       selection.baseline_unseen = refitted_unseen(model, current.fit);
       selection.baseline = current.fit;
       selection.first_order_rms_m = current.unseen.total_rms_m;
     }
-    taken = take_best(model, round, current);
+    taken = !lost && take_best(model, round, current);
     std::vector<Round> beside;
     if (taken) {
       take_beside(model, round, current, n, options, [&](Round own) { beside.push_back(std::move(own)); });

@@ -425,6 +425,23 @@ TEST(Ending, WhatPredictsUnseenTrialsWorseIsTakenOutAgainAndWhatIsThereStays) {
   EXPECT_GT(worse, 0) << "nothing was tried that predicts worse";
 }
 
+TEST(Ending, StandInsAreCountedAndWhatIsThereIsNone) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4, 4, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  for (const auto& [id, count] : {std::pair("base_compliance", 0u), std::pair("torsion", 1u)}) {
+    SCOPED_TRACE(id);
+    Extended extended(looked, id);
+    extended.selection.rounds[0].taken = 0;
+    extended.selection.rounds[0].refitted.resize(1);
+    extended.selection.rounds[0].refitted[0].moved_m =
+        moved_m(extended.selection.baseline_unseen, extended.current.unseen);
+    EXPECT_EQ(
+        count_stand_ins(looked.model, extended.current, extended.selection.rounds[0], extended.selection, {}),
+        count);
+  }
+}
+
 TEST(Ending, OfTwoEffectsThatDoTheSameOneStaysWithTheOtherAsItsRival) {
   const testing::RecordedCase drawn = testing::recorded_case(
       "{count_weights: [0, 1], from: [pressure_stiffening], size: [1.5, 2.0]}", 5, 5, 10.0);
