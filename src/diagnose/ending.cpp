@@ -116,24 +116,31 @@ Doubt doubt_in(JointModel& model, Standing& current, const Posterior& of_all,
 
 }  // namespace
 
-std::size_t count_stand_ins(JointModel& model, Standing& current, const Round& round,
-                            const Selection& selection, const Options& options) {
-  const Doubt doubt = doubt_in(model, current, round.posterior, round.screened, options, selection);
+bool is_lost(JointModel& model, Standing& current, const Round& round, const Selection& selection,
+             const Options& options) {
   const double length_m = model.arm().total_length_m();
-  const double left_m =
-      std::sqrt(std::max(0.0, std::pow(current.unseen.total_rms_m, 2) - floor_of(model).white_m2));
+  const double left_m2 = std::max(0.0, std::pow(current.unseen.total_rms_m, 2) - floor_of(model).white_m2);
+  const auto stands_in = [&](const model::Present& present, double probability, const Refitted& r,
+                             double without_m2) {
+    const bool of_sensors = is_of_sensors_alone(present.effect->info(), is_short_delay(present));
+    const double left_m = std::sqrt(std::max(0.0, without_m2));
+    return probability * is_no_stand_in(r.moved_m, left_m, length_m, of_sensors) < kPolicy.words.likely;
+  };
+  if (round.taken >= 0) {
+    const Refitted& next = round.refitted[static_cast<std::size_t>(round.taken)];
+    if (!stands_in(next.fit.at.effects.back(), next.probability, next, left_m2 - next.moved_m * next.moved_m))
+      return false;
+  }
+  const Doubt doubt = doubt_in(model, current, round.posterior, round.screened, options, selection);
   std::size_t count = 0;
   for (std::size_t e = 0; e < doubt.still_there.size(); ++e) {
-    const model::Present& present = current.fit.at.effects[e];
     const Round& of = selection.rounds[selection.round_of[e]];
-    const double part_m = of.refitted[static_cast<std::size_t>(of.taken)].moved_m;
-    const bool of_sensors = is_of_sensors_alone(present.effect->info(), is_short_delay(present));
-    count +=
-        doubt.still_there[e] * is_no_stand_in(part_m, left_m, length_m, of_sensors) < kPolicy.words.likely;
+    count += stands_in(current.fit.at.effects[e], doubt.still_there[e],
+                       of.refitted[static_cast<std::size_t>(of.taken)], left_m2);
   }
   // Of these each is doubtful on the other's account, and one will stay.
   if (count > 0 && doing_the_same(current.fit, doubt)) --count;
-  return count;
+  return count >= kPolicy.selection.most_stand_ins;
 }
 
 Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selection& selection,

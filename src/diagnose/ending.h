@@ -15,10 +15,11 @@ struct Ending {
 Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
                               const Options& options);
 
-/// Effects of the model so far that are hardly there (Words::likely): they stand in for something else.
-/// @param round that was looked at upon it, not yet of the selection
-std::size_t count_stand_ins(JointModel& model, Standing& current, const Round& round,
-                            const Selection& selection, const Options& options);
+/// Whether the search is lost: the model has Selection::most_stand_ins effects that are hardly there
+/// (Words::likely), which stand in for something else, and what the round would take is one more.
+/// @param round that was looked at upon the model, not yet of the selection
+bool is_lost(JointModel& model, Standing& current, const Round& round, const Selection& selection,
+             const Options& options);
 
 /// How sure the effects that were selected are in another model of the arm, all fitted anew.
 /// @param alone its fit without effects
