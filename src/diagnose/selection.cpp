@@ -155,9 +155,8 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
     Round round = look_here(refits);
     if (!refits && n < static_cast<std::size_t>(std::max(0, options.most_effects)) && is_any_certain(round))
       round = look_here(true);
-    const bool lost =
-        n >= kPolicy.selection.most_stand_ins &&
-        count_stand_ins(model, current, round, selection, options) >= kPolicy.selection.most_stand_ins;
+    const bool lost = n >= kPolicy.selection.most_stand_ins && round.taken >= 0 &&
+                      is_lost(model, current, round, selection, options);
     if (lost) round.taken = -1;
     if (round.anew && n == 0) {
       selection.baseline_unseen = refitted_unseen(model, current.fit);

@@ -425,26 +425,35 @@ TEST(Ending, WhatPredictsUnseenTrialsWorseIsTakenOutAgainAndWhatIsThereStays) {
   EXPECT_GT(worse, 0) << "nothing was tried that predicts worse";
 }
 
-TEST(Ending, StandInsAreCountedAndWhatIsThereIsNone) {
-  const testing::RecordedCase drawn =
-      testing::recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4, 4, 8.0);
+TEST(Ending, TheSearchIsLostWithTwoEffectsThatAreNotThere) {
+  const testing::RecordedCase drawn = testing::recorded_case(
+      "{count_weights: [0, 1], from: [base_compliance], size: [0.8, 1.0]}", 4, 5, 10.0);
   testing::Looked looked(drawn.arm, drawn.trials);
-  for (const auto& [id, count] : {std::pair("base_compliance", 0u), std::pair("torsion", 1u)}) {
+  for (const char* id : {"base_compliance", "torsion"}) {
     SCOPED_TRACE(id);
     Extended extended(looked, id);
-    extended.selection.rounds[0].taken = 0;
-    extended.selection.rounds[0].refitted.resize(1);
-    extended.selection.rounds[0].refitted[0].moved_m =
-        moved_m(extended.selection.baseline_unseen, extended.current.unseen);
-    EXPECT_EQ(
-        count_stand_ins(looked.model, extended.current, extended.selection.rounds[0], extended.selection, {}),
-        count);
+    Selection& selection = extended.selection;
+    selection.rounds[0].taken = -1;
+    Started again(looked);
+    Refitted both = refit(looked.model, extended.current, again.of("gravity_direction"));
+    extended.current = standing_on(looked.model, both.fit);
+    again.round.posterior = posterior_of(looked.model, extended.current, again.round, 0);
+    for (const char* taken : {id, "gravity_direction"}) {
+      Round round;
+      round.refitted.resize(1);
+      round.refitted[0].moved_m = taken == std::string("base_compliance") ? 1e-3 : 2e-5;
+      round.taken = 0;
+      selection.rounds.push_back(std::move(round));
+    }
+    selection.round_of = {1, 2};
+    EXPECT_EQ(is_lost(looked.model, extended.current, again.round, selection, {}),
+              id == std::string("torsion"));
   }
 }
 
 TEST(Ending, OfTwoEffectsThatDoTheSameOneStaysWithTheOtherAsItsRival) {
   const testing::RecordedCase drawn = testing::recorded_case(
-      "{count_weights: [0, 1], from: [pressure_stiffening], size: [1.5, 2.0]}", 5, 5, 10.0);
+      "{count_weights: [0, 1], from: [pressure_stiffening], size: [0.8, 1.0]}", 5, 5, 10.0);
   testing::Looked looked(drawn.arm, drawn.trials);
   Extended extended(looked, "pressure_stiffening");
   Started again(looked);
