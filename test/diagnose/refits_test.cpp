@@ -437,6 +437,7 @@ TEST(Ending, TheSearchIsLostWithTwoEffectsThatAreNotThere) {
     Started again(looked);
     Refitted both = refit(looked.model, extended.current, again.of("gravity_direction"));
     extended.current = standing_on(looked.model, both.fit);
+    again.round.screened.clear();  // what may be mistaken for them is none of this
     again.round.posterior = posterior_of(looked.model, extended.current, again.round, 0);
     for (const char* taken : {id, "gravity_direction"}) {
       Round round;
