@@ -437,12 +437,12 @@ TEST(Ending, TheSearchIsLostWithTwoEffectsThatAreNotThere) {
     Started again(looked);
     Refitted both = refit(looked.model, extended.current, again.of("gravity_direction"));
     extended.current = standing_on(looked.model, both.fit);
-    again.round.screened.clear();  // what may be mistaken for them is none of this
+    again.round.screened.clear();  // nothing else may be there in their place
     again.round.posterior = posterior_of(looked.model, extended.current, again.round, 0);
     for (const char* taken : {id, "gravity_direction"}) {
       Round round;
       round.refitted.resize(1);
-      round.refitted[0].moved_m = taken == std::string("base_compliance") ? 1e-3 : 2e-5;
+      round.refitted[0].moved_m = taken == std::string("base_compliance") ? 1e-3 : 1e-6;
       round.taken = 0;
       selection.rounds.push_back(std::move(round));
     }
