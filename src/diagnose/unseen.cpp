@@ -220,7 +220,9 @@ class Jackknife {
       for (const std::size_t of_trial : fold) without.push_back(of_trial == one);
       VectorXd to;
       const VectorXd less_known = step(without_some(at_, without), to);
-      const Eigen::ArrayXd kept = (known_.array() / less_known.array()).max(1e-9).min(1.0);
+      Eigen::ArrayXd kept = (known_.array() / less_known.array()).max(1e-9).min(1.0);
+      for (Eigen::Index j = 0; j < kept.size(); ++j)
+        if (held_[static_cast<std::size_t>(j)]) kept[j] = 1.0;  // no fold tells it
       variance += kept * (to - of_all_).array().square();
       const Eigen::ArrayXd own = 1.0 - kept;
       own_sum += own;

@@ -37,13 +37,14 @@ std::vector<Widening::Usual> Widening::usual_of(const Spread& spread, const Eige
     told.push_back(j);
     ratio.push_back(r);
   }
+  if (told.empty()) return {};  // nothing says what is usual
   // Squares of what is correlated are correlated by its square: so many unknowns count as one.
   double shared = 0.0;
   for (const Eigen::Index j : told) {
     for (const Eigen::Index k : told)
       shared += std::pow(covariance(j, k), 2) / (covariance(j, j) * covariance(k, k));
   }
-  const double each = told.empty() ? 0.0 : static_cast<double>(told.size()) / shared;
+  const double each = static_cast<double>(told.size()) / shared;
   std::vector<Usual> usual;
   for (double freedom = 0.5; freedom < 1e3; freedom *= 2.0) {
     for (double scale = 1.0 / 64.0; scale < 2e4; scale *= std::sqrt(2.0)) {
@@ -68,7 +69,7 @@ Widening::Widening(const Spreads& spreads, const Eigen::MatrixXd& covariance)
 Eigen::VectorXd Widening::moderated(const Spread& spread, const std::vector<Usual>& usual,
                                     const std::vector<Eigen::Index>& rows, const Eigen::VectorXd& variance) {
   Eigen::VectorXd times = Eigen::VectorXd::Ones(variance.size());
-  if (spread.variance.size() == 0) return times;
+  if (usual.empty() || spread.variance.size() == 0) return times;
   constexpr double kUpTo = 0.95;  // of a 90 % interval, as which sizes are told
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Eigen::Index row = rows[i], at = static_cast<Eigen::Index>(i);

@@ -217,6 +217,13 @@ TEST(BetweenFolds, TrialsOfOneSequenceAreComparedOneByOne) {
   EXPECT_NEAR(spread.freedom[0], 3.0, 1e-9);
 }
 
+TEST(BetweenFolds, OfWhatIsHeldNothingIsToBeExpected) {
+  const Spread spread =
+      between_folds(measured({-1, 0, 1, 0}), {0, 0, 0, 0}, {0, 0, 0, 0}, {true}).by_sequence;
+  EXPECT_EQ(spread.variance[0], 0.0);
+  EXPECT_EQ(spread.expected[0], 0.0);
+}
+
 /// Residuals of bodies, m, by a function of the instant; the noise is white, so less in longer means.
 template <typename Of>
 std::vector<VectorXd> residuals(const testing::Looked& looked, const Of& of) {

@@ -104,6 +104,13 @@ TEST(Widening, WhatIsKnownFromBeforeTheTrialsStays) {
   EXPECT_NEAR(factor[0] - 1.0, 0.01 * (factor[1] - 1.0), 1e-6);
 }
 
+TEST(Widening, OfWhatNoTrialTellsIsNone) {
+  Spreads spreads{spread_of(VectorXd::Constant(kUnknowns, 5e-4), 2.0), {}, {}};
+  spreads.by_sequence.expected.setConstant(5e-4);
+  EXPECT_EQ(times(spreads), VectorXd::Ones(kUnknowns));
+  EXPECT_EQ(times({spread_of(VectorXd::Zero(kUnknowns), 2.0), {}, {}}), VectorXd::Ones(kUnknowns));
+}
+
 TEST(Widening, WhatSequencesAndSessionsBothSayIsAddedButForWhatTrialsSay) {
   const auto of = [](double variance) { return spread_of(VectorXd::Constant(kUnknowns, variance), 1e6); };
   EXPECT_NEAR(times({of(20.0), of(30.0), of(5.0)})[0], 45.0, 0.5);
