@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "policy.h"
+#include "rivals.h"
 #include "sentences.h"
 #include "weigh_experiments.h"
 
@@ -36,11 +37,12 @@ std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection
                       [&](const Present& present) { return present.effect == rival; }))
         continue;
       JointParameters start = extended.at;
-      const auto refitted = std::find_if(round.refitted.begin(), round.refitted.end(),
+      const Round& with = round_with_rival(selection, selection.round_of[e], rival);
+      const auto refitted = std::find_if(with.refitted.begin(), with.refitted.end(),
                                          [&](const Refitted& r) { return r.effect == rival; });
-      const auto screened = std::find_if(round.screened.begin(), round.screened.end(),
+      const auto screened = std::find_if(with.screened.begin(), with.screened.end(),
                                          [&](const Screened& s) { return s.effect == rival; });
-      if (refitted != round.refitted.end()) {
+      if (refitted != with.refitted.end()) {
         if (extended.at.effects.size() == refitted->fit.at.effects.size() &&
             e + 1 == extended.at.effects.size()) {
           // Only where it is was kept of a refit.
@@ -48,7 +50,7 @@ std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection
           continue;
         }
         start.effects[e] = refitted->fit.at.effects.back();
-      } else if (screened != round.screened.end()) {
+      } else if (screened != with.screened.end()) {
         start.effects[e] = {rival, screened->values};
       } else {
         continue;

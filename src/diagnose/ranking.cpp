@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "policy.h"
+#include "rivals.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -47,8 +48,9 @@ Candidate left_aside(const JointModel& model, const Selection& selection, const 
     c.probability = std::min(selection.rounds.back().posterior.of(s.effect), kPolicy.posterior.named);
   bool trivial = s.z >= kPolicy.selection.least_z && s.leftover_m < trivial_m;
   if (const Refitted* r = refit_of(selection.rounds.back(), s.effect)) {
-    // Of being there at a size that matters.
-    c.probability = r->probability;
+    // Of being there at a size that matters. What was not taken though it is more probable stands in for
+    // something, or predicts no better by derivatives of its own.
+    c.probability = std::min(r->probability, kPolicy.posterior.named);
     trivial = r->z >= kPolicy.selection.least_z && r->moved_m < trivial_m;
     if (r->moved_m < trivial_m || !r->physical) c.probability = 0.0;
     c.possible = r->physical;
@@ -79,12 +81,15 @@ std::vector<Candidate> ranking_of(const JointModel& model, const Selection& sele
     c.log_score = r.gain / bodies;
     list.push_back(std::move(c));
   }
-  const auto add_rivals = [&](const Round& round, const EffectList& rivals) {
+  const auto add_rivals = [&](std::size_t n, const EffectList& rivals) {
     for (const Effect* rival : rivals) {
       if (known(rival)) continue;
+      const Round& round = round_with_rival(selection, n, rival);
       Candidate c = candidate_of(round, rival);
       c.finding = Finding::kRival;
       c.probability = round.posterior.of(rival);
+      // It was taken, and taken out again for the one that stays.
+      if (&round != &selection.rounds[n]) c.probability = std::min(c.probability, kPolicy.posterior.named);
       if (const Refitted* r = refit_of(round, rival)) {
         c.z = r->z;
         c.log_score = r->gain / bodies;
@@ -92,9 +97,8 @@ std::vector<Candidate> ranking_of(const JointModel& model, const Selection& sele
       list.push_back(std::move(c));
     }
   };
-  for (const std::size_t n : selection.round_of) add_rivals(selection.rounds[n], selection.rounds[n].rivals);
-  for (const std::size_t n : selection.round_of)
-    add_rivals(selection.rounds[n], selection.rounds[n].nearly_as_good);
+  for (const std::size_t n : selection.round_of) add_rivals(n, selection.rounds[n].rivals);
+  for (const std::size_t n : selection.round_of) add_rivals(n, selection.rounds[n].nearly_as_good);
   std::vector<Candidate> others;
   for (const Screened& s : selection.rounds.back().screened)
     if (!known(s.effect)) others.push_back(left_aside(model, selection, s));

@@ -75,6 +75,15 @@ EffectList rivals_of(const Round& round) {
   return rivals;
 }
 
+const Round& round_with_rival(const Selection& selection, std::size_t own, const Effect* rival) {
+  for (std::size_t n = own + 1; n-- > 0;) {
+    const std::vector<Screened>& screened = selection.rounds[n].screened;
+    if (std::any_of(screened.begin(), screened.end(), [&](const Screened& s) { return s.effect == rival; }))
+      return selection.rounds[n];
+  }
+  return selection.rounds[own];
+}
+
 void set_rivals(Round& round) {
   round.rivals = rivals_of(round);
   round.nearly_as_good = nearly_as_good(round);

@@ -1,6 +1,7 @@
 // Which effects stand in for each other, and which of a round goes into the model.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "refits.h"
@@ -22,6 +23,11 @@ bool take_best(JointModel& model, Round& round, Standing& current);
 
 /// Those that may be there in place of the one taken, or are the same in these trials.
 EffectList rivals_of(const Round& round);
+
+/// The round that looked at what may be there in place of what a round took: that round, or where the other
+/// was in the model by then, and was taken out again later, the last one before.
+/// @param own number of the round that took the one that stays
+const Round& round_with_rival(const Selection& selection, std::size_t own, const model::Effect* rival);
 
 /// Those of the refits that may be there in place of the one taken because what nobody understands may have
 /// made the difference; they are told beside the rivals, and are none of these.
