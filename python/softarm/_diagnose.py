@@ -70,8 +70,9 @@ def diagnose(arm: Arm, trials: Sequence[Trial], *, held: Union[str, Sequence[str
     """Finds what physics ``arm`` leaves out, where and how large, from three or more ``trials``; as ``softarm diagnose``.
 
     ``held``, ``tied``: patterns of constants, as of :func:`identify`; ``block_s``: time over which frames are averaged, s, 0.02 to 2;
-    ``most_effects``: in one verdict, 1 to 8, more than 4 only where much is left; ``payload_kg``: counts in all trials, whatever they recorded; ``jobs``: threads, 0: one
-    per processor. It takes from seconds to minutes; ``progress`` is told (share done, what is being done), and Ctrl-C ends it.
+    ``most_effects``: in one verdict, 1 to 8, more than 4 only where much is left, or another is certain; ``payload_kg``: counts in all
+    trials, whatever they recorded; ``jobs``: threads, 0: one per processor. It takes from seconds to minutes; ``progress`` is told
+    (share done, what is being done), and Ctrl-C ends it.
     Raises IdentifyError for trials that cannot be used, ValueError for patterns that match nothing.
     """
     options = _softarm.DiagnoseOptions()
