@@ -469,6 +469,9 @@ TEST(Ending, OfTwoEffectsThatDoTheSameOneStaysWithTheOtherAsItsRival) {
   ASSERT_EQ(extended.current.fit.at.effects.size(), 1u);
   ASSERT_EQ(extended.selection.round_of.size(), 1u);
   EXPECT_GT(extended.selection.doubt.still_there.front(), 0.9);
+  const bool first = extended.current.fit.at.effects[0].effect == both.fit.at.effects[0].effect;
+  const EffectList& rivals = extended.selection.rounds[extended.selection.round_of[0]].rivals;
+  EXPECT_EQ(rivals, EffectList{both.fit.at.effects[first ? 1 : 0].effect}) << "not dropped as superfluous";
 }
 
 /// Steps of the fit are in these scales.
