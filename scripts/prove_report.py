@@ -409,10 +409,11 @@ MEASURED = """**Size of a hidden effect.** The same trials are simulated (or, of
 with the same random numbers. The arm's constants are fitted to each, and the residuals are subtracted: means over 0.2 s as the
 diagnosis uses them, at the same times, each over its standard deviation (white noise, and what the diagnosis allows for swinging).
 What the derivatives of the constants explain is projected out. The length of the rest is the signal to noise after a refit (*sd* on
-these pages); its rms distance of a body is what the effect *leaves*, in metres. A set of trials has some 13000 such numbers, so
-that 12 sd are 0.02 mm, no more than the error of the rig itself. Each effect therefore leaves at least the `least_leftover_m`
-of the campaign file, too. An effect is *compensated* where its length with the constants held is 20 sd or more, and a
-chi^2 test of fits frame by frame stays below 3 standard deviations.
+these pages); its rms distance of a body is what the effect *leaves*, in metres. A body that stands out in a mean counts as in the
+diagnosis, by Huber's weight: beyond four times the typical residual of the recording with the effect, squares grow as distances
+do. A set of trials has some 13000 such numbers, so that 12 sd are 0.02 mm, no more than the error of the rig itself. Each effect
+therefore leaves at least the `least_leftover_m` of the campaign file, too. An effect is *compensated* where its length with the
+constants held is 20 sd or more, and a chi^2 test of fits frame by frame stays below 3 standard deviations.
 
 **Rates.** A report's first name is meant without its stand-ins, and the *class* of a name is that name with all that the report
 lists as confusable with it.

@@ -45,6 +45,11 @@ double huber_weight(double distance, double threshold) {
   return distance <= threshold ? 1.0 : threshold / distance;
 }
 
+double huber_threshold(std::vector<double> distances) {
+  return kPolicy.fit.huber * std::max(1.0, math::median(std::move(distances)) / math::kMedianOfChi3) *
+         math::kMedianOfChi3;
+}
+
 double JointModel::threshold_at(const std::vector<std::vector<Predicted>>& predicted) const {
   std::vector<double> distances;
   for (std::size_t t = 0; t < trials_.size(); ++t) {
@@ -54,9 +59,7 @@ double JointModel::threshold_at(const std::vector<std::vector<Predicted>>& predi
       if (d > 0.0) distances.push_back(d);
     }
   }
-  if (distances.empty()) return threshold_;
-  return kPolicy.fit.huber * std::max(1.0, math::median(std::move(distances)) / math::kMedianOfChi3) *
-         math::kMedianOfChi3;
+  return distances.empty() ? threshold_ : huber_threshold(std::move(distances));
 }
 
 /// Huber's loss of a trial's bodies that count; those without an equilibrium are as far off as a fit has

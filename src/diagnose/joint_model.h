@@ -318,4 +318,7 @@ void set_unknown(JointParameters& parameters, const JointUnknown& column, double
 /// What Huber's loss leaves of a body's whitened residual.
 double huber_weight(double distance, double threshold);
 
+/// From which on it leaves less: over the typical one of these distances, which noise alone has at least.
+double huber_threshold(std::vector<double> distances);
+
 }  // namespace softarm::diagnose

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 
 #include "prove/signal.h"
 #include "recorded_case.h"
@@ -73,6 +74,37 @@ TEST(ProveSignal, RecordingsThatAreCutAtOtherTimesLoseNothing) {
   EXPECT_NEAR(constant.raw_m, 1e-3, 1e-9);
   EXPECT_GT(constant.there.sum(), 0.95 * same.there.sum());
   EXPECT_LT(constant.leftover_m, constant.raw_m);
+}
+
+/// Residuals of the same with one instant of each of these trials off, at all bodies.
+Left with_instants_off(const Left& own, std::size_t trials, double by_m) {
+  Left off = own;
+  for (std::size_t t = 0; t < trials; ++t) {
+    const std::int64_t when =
+        std::next(own.held[t].begin(), static_cast<std::ptrdiff_t>(own.held[t].size() / 2))->first.first;
+    for (Residuals* all : {&off.held, &off.refitted})
+      for (auto& [key, residual] : (*all)[t])
+        if (key.first == when && key.second >= 0) residual += by_m * Eigen::Vector3d::UnitX();
+  }
+  return off;
+}
+
+TEST(ProveSignal, AnInstantThatStandsOutCountsAsInTheDiagnosis) {
+  const RecordedCase plain = diagnose::testing::recorded_case("{count_weights: [1]}", 3, 4, 8.0);
+  Reference reference(plain.arm, plain.trials, 0);
+  const Left own = reference.residuals(plain.trials);
+  const auto off = [&](double by_m) { return reference.signal(with_instants_off(own, 4, by_m), own); };
+  // Beyond the threshold squares grow as distances do.
+  const Signal some = off(0.02), more = off(0.08);
+  EXPECT_GT(some.leftover_snr, 5.0);
+  EXPECT_NEAR(more.raw_snr, 2.0 * some.raw_snr, 0.1 * some.raw_snr);
+  EXPECT_NEAR(more.leftover_snr, 2.0 * some.leftover_snr, 0.1 * some.leftover_snr);
+  EXPECT_NEAR(more.leftover_m, 2.0 * some.leftover_m, 0.1 * some.leftover_m);
+  EXPECT_NEAR(more.left.norm(), more.leftover_snr, 1e-9);
+  // What is not beyond it counts in full.
+  const Signal little = off(1e-4), half = off(5e-5);
+  EXPECT_NEAR(little.raw_snr, 2.0 * half.raw_snr, 1e-6 * little.raw_snr);
+  EXPECT_NEAR(little.leftover_snr, 2.0 * half.leftover_snr, 1e-6 * little.leftover_snr);
 }
 
 }  // namespace

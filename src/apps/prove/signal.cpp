@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "diagnose/screen.h"
 #include "math/linear_algebra.h"
@@ -137,18 +138,18 @@ Left Reference::residuals(const arm::Arm& arm, const std::vector<trial::Trial>& 
   return left;
 }
 
-Linearised Reference::at_rows(const VectorXd& there) const {
+Linearised Reference::at_rows(const VectorXd& root_weight) const {
   Linearised at = at_;
   Eigen::Index begin = 0;
   std::size_t c = 0;
   for (std::size_t t = 0; t < at.residual.size(); ++t) {
-    const auto own = there.segment(begin, at.residual[t].size());
+    const auto own = root_weight.segment(begin, at.residual[t].size());
     begin += at.residual[t].size();
     at.root_weight[t].array() *= own.array();
     at.derivative[t].array().colwise() *= own.array();
     Eigen::Index row = 0;
     const auto less = [&](Eigen::Index count, TimeStretch& stretch) {
-      const VectorXd gone = 1.0 - own.segment(row, count).array();
+      const VectorXd gone = (1.0 - own.segment(row, count).array().square()).max(0.0).sqrt();
       const MatrixXd j = gone.asDiagonal() * at_.derivative[t].middleRows(row, count);
       stretch.information -= j.transpose() * j;
       row += count;
@@ -205,8 +206,7 @@ double Reference::rms_m(const VectorXd& whitened, const VectorXd& there) const {
   return bodies > 0.0 ? std::sqrt(sum / bodies) : 0.0;
 }
 
-Reference::Compared Reference::difference(const Residuals& with, const Residuals& without) const {
-  const Residuals moved = differences(at_times_of(own_, with), at_times_of(own_, without));
+Reference::Compared Reference::by_rows(const Residuals& residuals) const {
   Eigen::Index rows = 0;
   for (const VectorXd& r : at_.residual) rows += r.size();
   Compared compared{VectorXd::Zero(rows), VectorXd::Zero(rows)};
@@ -215,8 +215,8 @@ Reference::Compared Reference::difference(const Residuals& with, const Residuals
     const model::TrialData& trial = prepared_.trials[t];
     Eigen::Index local = 0;
     const auto put = [&](const std::pair<std::int64_t, int>& key, double sd) {
-      const auto here = moved[t].find(key);
-      if (here != moved[t].end()) {
+      const auto here = residuals[t].find(key);
+      if (here != residuals[t].end()) {
         compared.whitened.segment<3>(row) = at_.root_weight[t][local] * here->second / sd;
         compared.there.segment<3>(row).setOnes();
       }
@@ -233,28 +233,49 @@ Reference::Compared Reference::difference(const Residuals& with, const Residuals
   return compared;
 }
 
+Reference::Compared Reference::difference(const Residuals& with, const Residuals& without) const {
+  return by_rows(differences(at_times_of(own_, with), at_times_of(own_, without)));
+}
+
+/// The diagnosis sees the recording with everything in it: by that, not by the difference alone, which may be
+/// nothing at most instants, it takes a distance for usual.
+VectorXd Reference::root_weights(const VectorXd& difference, const Residuals& with) const {
+  const VectorXd all = by_rows(at_times_of(own_, with)).whitened;
+  std::vector<double> distances;
+  for (Eigen::Index row = 0; row < all.size(); row += 3)
+    if (const double distance = all.segment<3>(row).norm(); distance > 0.0) distances.push_back(distance);
+  const double threshold = diagnose::huber_threshold(std::move(distances));
+  VectorXd roots(difference.size());
+  for (Eigen::Index row = 0; row < roots.size(); row += 3) {
+    const double weight = diagnose::huber_weight(difference.segment<3>(row).norm(), threshold);
+    roots.segment<3>(row).setConstant(std::sqrt(weight));
+  }
+  return roots;
+}
+
 Signal Reference::signal(const Left& with, const Left& without) const {
   Signal signal;
   const Compared held = difference(with.held, without.held);
   const Compared refitted = difference(with.refitted, without.refitted);
   signal.there = held.there.cwiseProduct(refitted.there);
-  const Linearised at = at_rows(signal.there);
-  signal.difference = held.whitened.cwiseProduct(signal.there);
-  signal.left = orthogonal(at, refitted.whitened.cwiseProduct(signal.there));
+  const VectorXd counts = signal.there.cwiseProduct(root_weights(held.whitened, with.held));
+  signal.counts = signal.there.cwiseProduct(root_weights(refitted.whitened, with.refitted));
+  signal.difference = held.whitened.cwiseProduct(counts);
+  signal.left = orthogonal(at_rows(signal.counts), refitted.whitened.cwiseProduct(signal.counts));
   signal.moved = at_whole_seconds(differences(at_times_of(own_, with.held), at_times_of(own_, without.held)));
   signal.raw_snr = signal.difference.norm();
   signal.leftover_snr = signal.left.norm();
   signal.raw_m = rms_m(signal.difference, signal.there);
   signal.leftover_m = rms_m(signal.left, signal.there);
   double freedom = 0.0;
-  signal.per_frame_snr = per_frame_part(model_, at, signal.difference, &freedom).norm();
+  signal.per_frame_snr = per_frame_part(model_, at_rows(counts), signal.difference, &freedom).norm();
   signal.per_frame_sd = signal.per_frame_snr * signal.per_frame_snr / std::sqrt(2.0 * std::max(1.0, freedom));
   return signal;
 }
 
 std::vector<Ideal> Reference::ideal(const Signal& signal) {
   // The fit as if its residuals were what is left.
-  Linearised at = at_rows(signal.there);
+  Linearised at = at_rows(signal.counts);
   at.gradient.setZero();
   at.square = signal.left.squaredNorm();
   Eigen::Index begin = 0;
@@ -300,9 +321,10 @@ double Reference::unexplained_m() const {
   Eigen::Index rows = 0, begin = 0;
   for (const VectorXd& r : at_.residual) rows += r.size();
   VectorXd all(rows);
-  for (const VectorXd& r : at_.residual) {
-    all.segment(begin, r.size()) = r;
-    begin += r.size();
+  for (std::size_t t = 0; t < at_.residual.size(); ++t) {
+    // Once more: rms_m() takes out the weight that is in a residual.
+    all.segment(begin, at_.residual[t].size()) = at_.residual[t].cwiseProduct(at_.root_weight[t]);
+    begin += at_.residual[t].size();
   }
   return rms_m(all, VectorXd::Ones(rows));
 }

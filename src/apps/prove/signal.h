@@ -17,9 +17,12 @@ namespace softarm::prove {
 /// of the arm's constants leaves in both, and of those that its own refitted constants leave in each, in
 /// standard deviations of means over 0.1 s (white noise, and what the diagnosis allows for swinging), of the
 /// means that the diagnosis compares in the trials without anything hidden: each recording is cut into means
-/// by its own motion, so residuals are taken at the times of these.
+/// by its own motion, so residuals are taken at the times of these. What stands out counts as in the
+/// diagnosis, by Huber's weights: one instant that is off by a centimetre, as where an arm topples, tells
+/// nobody what is there.
 struct Signal {
-  Eigen::VectorXd there;  ///< by whitened row: 1 where both recordings have it, which alone count; else 0
+  Eigen::VectorXd there;   ///< by whitened row: 1 where both recordings have it, which alone count; else 0
+  Eigen::VectorXd counts;  ///< root of the weight of what is left, by row: 0 where it is not there
   Eigen::VectorXd difference;  ///< with one set of constants: whitened, all trials
   /// With the constants refitted, and orthogonal to their derivatives. Constants bend what they absorb: of an
   /// effect that moves the arm by millimetres the derivatives alone absorb less than a refit does.
@@ -29,7 +32,7 @@ struct Signal {
   double per_frame_snr = 0.0;  ///< the same with those constants free in every mean
   double per_frame_sd =
       0.0;                  ///< excess of chi^2 of such fits in its standard deviations: snr^2 / sqrt(2 dof)
-  double raw_m = 0.0;       ///< rms distance of a body
+  double raw_m = 0.0;       ///< rms distance of a body, with these weights
   double leftover_m = 0.0;  ///< the same of what is left
   Residuals moved;          ///< with one set of constants: see at_whole_seconds(), m
 };
@@ -58,7 +61,7 @@ class Reference {
   std::vector<Ideal> ideal(const Signal& signal);
   /// Cosine between what two signals leave.
   double cosine(const Signal& a, const Signal& b) const;
-  /// Rms distance of a body from what these constants predict, weights as of the fit.
+  /// Rms distance of a body from what these constants predict, with Huber's weights as of the fit.
   double unexplained_m() const;
   /// Names and values of the constants that fit.
   std::map<std::string, double> constants() const;
@@ -67,9 +70,14 @@ class Reference {
   struct Compared {
     Eigen::VectorXd whitened, there;  ///< see Signal
   };
+  /// Of residuals at the times of the means.
+  Compared by_rows(const Residuals& residuals) const;
   Compared difference(const Residuals& with, const Residuals& without) const;
-  /// The fit to these rows alone.
-  diagnose::Linearised at_rows(const Eigen::VectorXd& there) const;
+  /// Roots of Huber's weights of a difference, by row.
+  /// @param with residuals of the recording that would be diagnosed
+  Eigen::VectorXd root_weights(const Eigen::VectorXd& difference, const Residuals& with) const;
+  /// The fit with rows weighted besides; with 0: without them.
+  diagnose::Linearised at_rows(const Eigen::VectorXd& root_weight) const;
   Eigen::VectorXd orthogonal(const diagnose::Linearised& at, const Eigen::VectorXd& difference) const;
   double rms_m(const Eigen::VectorXd& whitened, const Eigen::VectorXd& there) const;
 
