@@ -425,10 +425,16 @@ lists as confusable with it.
 - `both_named`: both effects of a pair are named.
 - `unknown`: the verdict is *unknown*, or *partly explained* with an effect named first that acts like what is hidden. Counts where
   the best effect of the catalogue leaves 8 standard deviations or more of what is hidden.
-- `found_or_cannot_tell`: what is hidden is in the class of some name, or its finding or the verdict is *cannot tell*.
+- `found_or_cannot_tell`: what is hidden, or a name that was sealed as right, too, is in the class of some name, or its finding or
+  the verdict is *cannot tell*.
 - `false_alarm`: see [above](#in-short). Of an intervention, `top1`, `top3` and `right_class` go by its sealed class, as [the
   worlds](#the-worlds) say.
 - `confident_wrong`: a name has a probability above 0.9, and neither it nor anything in its class is there.
+
+Of a simulated arm with one effect hidden, what nobody can tell from that effect in these trials is a right name, too. That is
+decided by signature and sealed with the draw: its signature and the hidden effect's have a cosine above 0.95 and, with the length
+of what the effect leaves, are less than 3 sd apart (the rule by which the diagnosis calls two effects one class), and it explains
+no less of that by 3 sd or more. Of the finite-element arm it was decided by hand.
 
 Small departures that were simulated are there, and may be named. Of an effect outside the catalogue each effect that acts like it
 counts as there: its signature explains half or more of what the hidden one leaves, and at least 0.9 of what the best effect

@@ -196,7 +196,7 @@ def all_marks(kind, decision, truth):
     if kind in ("outside", "untidy_outside") and beyond_catalogue(truth) >= LEAST_BEYOND:
         found["unknown"] = decision["verdict"] == "unknown" or is_of_the_kind(decision, truth)
     if kind in ("compensated", "solid_compensated"):
-        in_a_class = any(name in class_of(named) for named in named_there for name in there)
+        in_a_class = any(name in class_of(named) for named in named_there for name in there + truth.get("class", []))
         found["found_or_cannot_tell"] = (in_a_class or decision["verdict"] == "cannot_tell"
                                          or any(decision["findings"].get(name) == "cannot_tell" for name in there))
     return found

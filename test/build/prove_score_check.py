@@ -132,6 +132,9 @@ class Rates(unittest.TestCase):
         for said in (report("explained", named("shear", 0.7, ["base_compliance"])), report("cannot_tell"),
                      report("consistent", ranking=["base_compliance"], findings={"base_compliance": "cannot_tell"})):
             self.assertTrue(self.marks("compensated", hidden, said)["found_or_cannot_tell"])
+        sealed = {**hidden, "class": ["shear"]}  # what nobody can tell from it
+        self.assertTrue(self.marks("compensated", sealed, report("explained", named("shear")))["found_or_cannot_tell"])
+        self.assertFalse(self.marks("compensated", hidden, report("explained", named("shear")))["found_or_cannot_tell"])
         self.assertFalse(self.marks("compensated", hidden, report("consistent", ranking=["base_compliance"]))
                          ["found_or_cannot_tell"])
 

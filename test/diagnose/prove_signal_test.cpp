@@ -107,5 +107,39 @@ TEST(ProveSignal, AnInstantThatStandsOutCountsAsInTheDiagnosis) {
   EXPECT_NEAR(little.leftover_snr, 2.0 * half.leftover_snr, 1e-6 * little.leftover_snr);
 }
 
+TEST(ProveSignal, WhatSignaturesDoNotTellApartIsOneClass) {
+  using Names = std::vector<std::string>;
+  // With 100 standard deviations: a sine of 0.03 is three of them.
+  const std::vector<Ideal> list{
+      {"first", 0.95, 1.0, 0.99},      // explains more, and can be told from it
+      {"hidden", 0.9, 0.99, 1.0},      // all others are measured by this one
+      {"same", 0.9, 0.99, 0.9999},     // a sine of 0.014
+      {"apart", 0.9, 0.99, 0.9990},    // 0.045
+      {"other way", 0.0, 0.99, 1.0}};  // the same signature, with a sign it cannot have
+  EXPECT_EQ(not_told_apart(list, "hidden", 100.0), Names{"same"});
+  EXPECT_EQ(not_told_apart(list, "hidden", 20.0), (Names{"first", "same", "apart"})) << "weaker";
+  EXPECT_EQ(not_told_apart(list, "hidden", 1e4), Names{}) << "stronger";
+  EXPECT_EQ(not_told_apart(list, "other way", 1.0), Names{}) << "its own law explains nothing";
+  EXPECT_EQ(not_told_apart(list, "", 1.0), Names{});
+  EXPECT_EQ(not_told_apart({{"hidden", 0.9, 1.0, 1.0}, {"some", 0.9, 0.9, 0.9}}, "hidden", 1.0), Names{})
+      << "whatever is weak: signatures as different as that are no class";
+}
+
+TEST(ProveSignal, CosinesAreWithTheHiddenEffect) {
+  const RecordedCase plain = diagnose::testing::recorded_case("{count_weights: [1]}", 3, 4, 8.0);
+  Reference reference(plain.arm, plain.trials, 0);
+  const Left own = reference.residuals(plain.trials);
+  const Signal signal = reference.signal(with_instants_off(own, 4, 0.02), own);
+  const std::vector<Ideal> list = reference.ideal(signal, "shear");
+  for (const Ideal& ideal : list) {
+    EXPECT_LE(ideal.own_cosine, 1.0 + 1e-9) << ideal.effect;
+    if (ideal.effect == "shear") {
+      EXPECT_NEAR(ideal.own_cosine, 1.0, 1e-9);
+      EXPECT_NEAR(ideal.cosine, list.front().own_cosine, 1e-9);
+    }
+  }
+  EXPECT_TRUE(std::all_of(list.begin(), list.end(), [](const Ideal& i) { return i.explains <= 1.0 + 1e-9; }));
+}
+
 }  // namespace
 }  // namespace softarm::prove

@@ -97,10 +97,7 @@ class Case {
     for (std::size_t i = 0; i < signals.size(); ++i)
       truth_["effects"].push_back(json_of(drawn_.effects[i], signals[i]));
     if (signals.size() == 2) truth_["cosine"] = reference_->cosine(signals[0], signals[1]);
-    truth_["class"] = Json::array();
-    for (const HiddenChoice& choice : drawn_.effects)
-      if (const std::string& kind = rig::find_hidden_effect(choice.effect)->of_the_kind; !kind.empty())
-        truth_["class"].push_back(kind);
+    truth_["class"] = kinds_of_hidden();
     truth_["distractors"] = Json::array();
     for (const HiddenChoice& choice : drawn_.distractors) truth_["distractors"].push_back(json_of(choice));
     truth_["distractors_leave_m"] = distractors_leave_m_;
@@ -108,12 +105,7 @@ class Case {
     if (spec_.signal && spec_.signal->wished && !signals.empty()) truth_["clear"] = are_clear(signals);
     truth_["all"] = json_of(all_);
     for (const Signal& one : signals) displacements_.push_back(rows_of(one.moved));
-    truth_["ideal"] = Json::array();
-    if (!signals.empty()) {
-      for (const Ideal& ideal : reference_->ideal(all_))
-        truth_["ideal"].push_back(
-            {{"effect", ideal.effect}, {"explains", ideal.explains}, {"cosine", ideal.cosine}});
-    }
+    say_ideal();
     truth_["constants"] = reference_->constants();
     truth_["mass_ratio"] = mass_ratio();
   }
@@ -143,6 +135,37 @@ class Case {
   }
 
  private:
+  /// Of those outside the catalogue the effects there whose words say them.
+  Json kinds_of_hidden() const {
+    Json kinds = Json::array();
+    for (const HiddenChoice& choice : drawn_.effects)
+      if (const std::string& kind = rig::find_hidden_effect(choice.effect)->of_the_kind; !kind.empty())
+        kinds.push_back(kind);
+    return kinds;
+  }
+
+  /// What a lone hidden effect is in the catalogue; empty: it is not there, or not alone.
+  std::string hidden_alone() const {
+    if (drawn_.effects.size() != 1) return {};
+    const rig::HiddenEffect& effect = *rig::find_hidden_effect(drawn_.effects.front().effect);
+    return effect.catalogued ? effect.id : effect.like;
+  }
+
+  /// How the catalogue acts against what is hidden, and what in it nobody can tell from that in these trials.
+  void say_ideal() {
+    truth_["ideal"] = Json::array();
+    if (drawn_.effects.empty()) return;
+    const std::string own = hidden_alone();
+    const std::vector<Ideal> list = reference_->ideal(all_, own);
+    for (const Ideal& ideal : list) {
+      Json one{{"effect", ideal.effect}, {"explains", ideal.explains}, {"cosine", ideal.cosine}};
+      if (!own.empty()) one["cosine_with_hidden"] = ideal.own_cosine;
+      truth_["ideal"].push_back(std::move(one));
+    }
+    for (std::string& name : not_told_apart(list, own, all_.leftover_snr))
+      truth_["class"].push_back(std::move(name));
+  }
+
   /// The trials' folder gets what a laboratory knows of it; what is hidden in each goes to another.
   void keep_trials(const fs::path& sealed) {
     const fs::path trials = work_ / "trials";

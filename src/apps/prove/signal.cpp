@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "diagnose/policy.h"
 #include "diagnose/screen.h"
 #include "math/linear_algebra.h"
 #include "softarm/identify/identify.h"
@@ -35,6 +36,23 @@ std::pair<std::int64_t, int> key_of_tangent(const model::TrialData& trial, const
 }
 
 }  // namespace
+
+std::vector<std::string> not_told_apart(const std::vector<Ideal>& list, const std::string& own,
+                                        double leftover_snr) {
+  const diagnose::Policy::Selection& rule = diagnose::kPolicy.selection;
+  const auto hidden =
+      std::find_if(list.begin(), list.end(), [&](const Ideal& ideal) { return ideal.effect == own; });
+  std::vector<std::string> others;
+  // Of one that explains nothing there is no signature to compare.
+  if (hidden == list.end() || !(hidden->explains > 0.0)) return others;
+  for (const Ideal& other : list) {
+    const double sine2 = std::max(0.0, 1.0 - other.own_cosine * other.own_cosine);
+    const double apart2 = std::pow(leftover_snr, 2) * std::max(sine2, hidden->explains - other.explains);
+    if (other.effect != own && other.own_cosine > rule.rival_cosine && apart2 < std::pow(rule.rival_z, 2))
+      others.push_back(other.effect);
+  }
+  return others;
+}
 
 Residuals residuals_of(const std::vector<model::TrialData>& trials,
                        const std::vector<std::vector<model::Predicted>>& predicted) {
@@ -273,7 +291,7 @@ Signal Reference::signal(const Left& with, const Left& without) const {
   return signal;
 }
 
-std::vector<Ideal> Reference::ideal(const Signal& signal) {
+std::vector<Ideal> Reference::ideal(const Signal& signal, const std::string& own) {
   // The fit as if its residuals were what is left.
   Linearised at = at_rows(signal.counts);
   at.gradient.setZero();
@@ -303,10 +321,13 @@ std::vector<Ideal> Reference::ideal(const Signal& signal) {
   }
   const std::vector<diagnose::Screened> screened = diagnose::screen(model_, at, jobs_, [](double) {});
   const double whole = std::max(1e-12, signal.leftover_snr * signal.leftover_snr);
+  const auto hidden = std::find_if(screened.begin(), screened.end(),
+                                   [&](const diagnose::Screened& s) { return s.effect->info().id == own; });
   std::vector<Ideal> list;
   for (const diagnose::Screened& s : screened)
-    list.push_back(
-        {s.effect->info().id, s.gain / whole, std::abs(s.direction.dot(screened.front().direction))});
+    list.push_back({s.effect->info().id, s.gain / whole,
+                    std::abs(s.direction.dot(screened.front().direction)),
+                    hidden != screened.end() ? std::abs(s.direction.dot(hidden->direction)) : 0.0});
   return list;
 }
 

@@ -40,9 +40,18 @@ struct Signal {
 /// One effect of the catalogue against a noise-free signal.
 struct Ideal {
   std::string effect;
-  double explains = 0.0;  ///< share of leftover_snr squared
-  double cosine = 0.0;    ///< with the best one's signature
+  double explains = 0.0;    ///< share of leftover_snr squared
+  double cosine = 0.0;      ///< with the best one's signature
+  double own_cosine = 0.0;  ///< with that of what is hidden; 0 where that is not told, or not looked for
 };
+
+/// Which others nobody can tell in these trials from the effect that is hidden, by the rule by which the
+/// diagnosis calls two effects one class: with all that is left, the two signatures are less than three
+/// standard deviations apart. What cannot have the size, or the sign, leaves more of it than that.
+/// @param own the one that is hidden
+/// @param list see Reference::ideal(), with own
+std::vector<std::string> not_told_apart(const std::vector<Ideal>& list, const std::string& own,
+                                        double leftover_snr);
 
 /// The trials without anything hidden, and the constants that fit them.
 class Reference {
@@ -58,7 +67,8 @@ class Reference {
   Signal signal(const Left& with, const Left& without) const;
   /// The catalogue, best first, against the signal as if nothing else were in the recording: what an ideal
   /// detector has to go by.
-  std::vector<Ideal> ideal(const Signal& signal);
+  /// @param own the effect that is hidden; empty: none of the catalogue, or several
+  std::vector<Ideal> ideal(const Signal& signal, const std::string& own = {});
   /// Cosine between what two signals leave.
   double cosine(const Signal& a, const Signal& b) const;
   /// Rms distance of a body from what these constants predict, with Huber's weights as of the fit.
