@@ -123,6 +123,9 @@ struct Policy {
     /// times these odds: hardly any physics that is missing looks like them. Of 1036 statements about 733
     /// cases in four worlds (doc/proof.md) such odds fit as well as free powers of both ratios.
     double no_stand_in = 8.0, sensors = 4.0;
+    /// Factor by which a posterior's variances are usually wrong, either way, as one standard deviation of
+    /// its logarithm: on real arms by tens, on simulated ones hardly. It counts where folds tell few numbers.
+    double wrong_variance = 10.0;
     double least_white = 0.3;         ///< of the stated variance, at least: by more nobody overstates a noise
     std::size_t most_instants = 300;  ///< or groups of neighbouring ones: the cost goes with its square
     long fewest_instants = 20;        ///< with fewer nothing is said

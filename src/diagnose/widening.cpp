@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "math/distributions.h"
+#include "policy.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -51,7 +52,8 @@ std::vector<Widening::Usual> Widening::usual_of(const Spread& spread, const Eige
       double sum = 0.0;
       for (std::size_t i = 0; i < told.size(); ++i)
         sum += log_density(ratio[i], spread.freedom[told[i]], scale, freedom);
-      usual.push_back({scale, freedom, each * sum});
+      const double before = std::log(scale) / std::log(kPolicy.posterior.wrong_variance);
+      usual.push_back({scale, freedom, each * sum - 0.5 * before * before});
     }
   }
   double most = usual.front().weight, total = 0.0;

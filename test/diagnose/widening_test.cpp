@@ -87,6 +87,15 @@ TEST(Widening, HoldsTheTruthWherePosteriorsAreFarTooSure) {
   EXPECT_NEAR(draws.coverage(factor), 0.9, 0.04);
 }
 
+/// Among three folds; Student's t alone would make 3.15 of it.
+TEST(Widening, OneUnknownAloneIsNoFurtherApartThanStudentsT) {
+  const Spreads spreads{spread_of(VectorXd::Ones(1), 2.0), {}, {}};
+  const Widening widening(spreads, Eigen::MatrixXd::Identity(1, 1));
+  const double factor = widening.times(spreads, {0}, VectorXd::Ones(1))[0];
+  EXPECT_GT(factor, 1.0);
+  EXPECT_LT(factor, 4.0);
+}
+
 TEST(Widening, OneUnknownThatDiffersStandsOut) {
   VectorXd variance = VectorXd::Ones(kUnknowns);
   variance[3] = 60.0;

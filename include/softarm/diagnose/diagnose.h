@@ -293,7 +293,7 @@ struct Diagnosis {
 struct Options {
   double block_s = 0.2;  ///< over which frames are averaged: half of it where a body's way bends,
                          ///< up to three times where the arm rests
-  int most_effects = 8;  ///< in one verdict; more than 4 only where much is left
+  int most_effects = 8;  ///< in one verdict; more than 4 only where much is left, or another is certain
   int refits = 4;        ///< of the screen's best, per round
   /// Patterns of constants that keep the arm file's value, and of those that have one value in all segments,
   /// as identify::matching() and identify::tie_constants() have them.
