@@ -84,22 +84,6 @@ std::optional<Pair> doing_the_same(const Linearised& at, const Doubt& doubt) {
   return std::nullopt;
 }
 
-/// Takes the one out again without which the trials are predicted better; it is a rival of the one that
-/// stays.
-void keep_one(JointModel& model, Standing& current, Selection& selection, Pair pair) {
-  Standing without_first = refit_without(model, current, pair.first);
-  Standing without_second = refit_without(model, current, pair.second);
-  if (without_first.unseen.total_chi2 > without_second.unseen.total_chi2) {
-    std::swap(pair.first, pair.second);
-    std::swap(without_first, without_second);
-  }
-  EffectList& rivals = selection.rounds[selection.round_of[pair.second]].rivals;
-  const model::Effect* gone = current.fit.at.effects[pair.first].effect;
-  if (std::find(rivals.begin(), rivals.end(), gone) == rivals.end()) rivals.push_back(gone);
-  current = standing_on(model, without_first.fit);
-  selection.round_of.erase(selection.round_of.begin() + static_cast<std::ptrdiff_t>(pair.first));
-}
-
 /// How sure all of the model is.
 /// @param of_all the posterior about this model
 /// @param screened upon it
@@ -115,6 +99,24 @@ Doubt doubt_in(JointModel& model, Standing& current, const Posterior& of_all,
 }
 
 }  // namespace
+
+bool keep_one_of_two_alike(JointModel& model, Standing& current, Selection& selection) {
+  const std::optional<Pair> pair = doing_the_same(current.fit, selection.doubt);
+  if (!pair) return false;
+  auto [gone, stays] = *pair;
+  Standing without = refit_without(model, current, gone);
+  Standing without_other = refit_without(model, current, stays);
+  if (without.unseen.total_chi2 > without_other.unseen.total_chi2) {
+    std::swap(gone, stays);
+    std::swap(without, without_other);
+  }
+  EffectList& rivals = selection.rounds[selection.round_of[stays]].rivals;
+  const model::Effect* effect = current.fit.at.effects[gone].effect;
+  if (std::find(rivals.begin(), rivals.end(), effect) == rivals.end()) rivals.push_back(effect);
+  current = standing_on(model, without.fit);
+  selection.round_of.erase(selection.round_of.begin() + static_cast<std::ptrdiff_t>(gone));
+  return true;
+}
 
 bool is_lost(JointModel& model, Standing& current, const Round& round, const Selection& selection,
              const Options& options) {
@@ -170,8 +172,7 @@ Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& s
     of_all = posterior_of(model, current, last, options.jobs);
   for (;;) {
     selection.doubt = doubt_in(model, current, of_all, last.screened, options, selection);
-    if (const std::optional<Pair> pair = doing_the_same(current.fit, selection.doubt)) {
-      keep_one(model, current, selection, *pair);
+    if (keep_one_of_two_alike(model, current, selection)) {
       of_all = posterior_of(model, current, last, options.jobs);
       continue;
     }

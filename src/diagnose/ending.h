@@ -15,6 +15,12 @@ struct Ending {
 Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
                               const Options& options);
 
+/// Of two effects of the model that are each doubtful (Selection::doubt) because the other can do what it
+/// does: takes the one out again without which unseen trials are predicted better. It becomes a rival of the
+/// other.
+/// @return whether there are such
+bool keep_one_of_two_alike(JointModel& model, Standing& current, Selection& selection);
+
 /// Whether the search is lost: the model has Selection::most_stand_ins effects that are hardly there
 /// (Words::likely), which stand in for something else, and what the round would take is one more.
 /// @param round that was looked at upon the model, not yet of the selection

@@ -454,24 +454,37 @@ TEST(Ending, TheSearchIsLostWithTwoEffectsThatAreNotThere) {
 
 TEST(Ending, OfTwoEffectsThatDoTheSameOneStaysWithTheOtherAsItsRival) {
   const testing::RecordedCase drawn = testing::recorded_case(
-      "{count_weights: [0, 1], from: [pressure_stiffening], size: [0.8, 1.0]}", 5, 5, 10.0);
+      "{count_weights: [0, 1], from: [pressure_stiffening], size: [0.8, 1.0]}", 5, 4, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
   Extended extended(looked, "pressure_stiffening");
   Started again(looked);
   Refitted both = refit(looked.model, extended.current, again.of("radial_expansion"));
   ASSERT_EQ(both.fit.at.effects.size(), 2u);
-  extended.current = standing_on(looked.model, both.fit);
-  // As if each had been taken in a round of its own.
-  extended.selection.rounds.push_back(extended.selection.rounds.front());
-  extended.selection.rounds.back().posterior = posterior_of(looked.model, extended.current, again.round, 0);
-  extended.selection.round_of = {0, 1};
-  end_with_what_predicts(looked.model, extended.current, extended.selection, {});
+  const Standing standing = standing_on(looked.model, both.fit);
+  const auto ended = [&](double correlation, double probability) {
+    extended.current = standing;
+    Selection& selection = extended.selection;
+    selection.rounds.resize(1);
+    selection.rounds.push_back(Round());
+    selection.rounds[0].rivals.clear();
+    selection.round_of = {0, 1};
+    selection.doubt.still_there = {0.01, probability};
+    const auto n = static_cast<Eigen::Index>(standing.fit.columns.size());
+    selection.doubt.covariance = Eigen::MatrixXd::Identity(n, n);
+    const Eigen::Index i = rows_of_sizes(standing.fit, 0).front(), j = rows_of_sizes(standing.fit, 1).front();
+    selection.doubt.covariance(i, j) = selection.doubt.covariance(j, i) = correlation;
+    return keep_one_of_two_alike(looked.model, extended.current, selection);
+  };
+  EXPECT_FALSE(ended(-0.99, 0.9)) << "one of them is certain";
+  EXPECT_FALSE(ended(0.5, 0.01)) << "neither can do what the other does";
+  EXPECT_EQ(extended.current.fit.at.effects.size(), 2u);
+  ASSERT_TRUE(ended(-0.99, 0.01));
   ASSERT_EQ(extended.current.fit.at.effects.size(), 1u);
   ASSERT_EQ(extended.selection.round_of.size(), 1u);
-  EXPECT_GT(extended.selection.doubt.still_there.front(), 0.9);
-  const bool first = extended.current.fit.at.effects[0].effect == both.fit.at.effects[0].effect;
-  const EffectList& rivals = extended.selection.rounds[extended.selection.round_of[0]].rivals;
-  EXPECT_EQ(rivals, EffectList{both.fit.at.effects[first ? 1 : 0].effect}) << "not dropped as superfluous";
+  const bool first_stays = extended.current.fit.at.effects[0].effect == standing.fit.at.effects[0].effect;
+  EXPECT_EQ(extended.selection.round_of[0], first_stays ? 0u : 1u);
+  EXPECT_EQ(extended.selection.rounds[extended.selection.round_of[0]].rivals,
+            (std::vector<const model::Effect*>{standing.fit.at.effects[first_stays ? 1 : 0].effect}));
 }
 
 /// Steps of the fit are in these scales.
