@@ -316,6 +316,16 @@ TEST_F(Check, MillimetresAsMetres) {
   EXPECT_EQ(find(report(), "length_unit")->setting, "inputs.bodies.unit: mm");
 }
 
+TEST_F(Check, OneBodyThatIsFarAwayIsNoUnit) {
+  for (auto& pose : recording.bodies[2]) pose.p_mocap.x() += 12.0;
+  const check::CheckReport r = report();
+  const check::CheckFinding* f = find(r, "length_unit");
+  ASSERT_NE(f, nullptr) << to_text(r);
+  EXPECT_EQ(f->setting, "");
+  EXPECT_THAT(f->what, HasSubstr("ring_2 is 12 m from the base"));
+  EXPECT_THAT(f->what, testing::Not(HasSubstr("ring_1")));
+}
+
 TEST_F(Check, AnImportedUnitIsTheLayouts) {
   struct Unit {
     std::string layout, right;
