@@ -78,7 +78,7 @@ void say_turned(Context& context, const Track& track, double turn_rad) {
 }
 
 void check_attitude(Context& context) {
-  const std::vector<Place> places = places_in(context, shape_span(context));
+  const std::vector<Place> places = shape_in(context, shape_span(context)).places;
   const auto ratio = length_ratio(places);
   if (places.empty() || !ratio || *ratio > kPolicy.geometry.most_attitude ||
       *ratio < kPolicy.geometry.least_attitude)

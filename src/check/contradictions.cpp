@@ -55,6 +55,8 @@ const std::vector<Spoils>& all_spoils() {
       {"body_order", kPlaces, "bodies["},
       {"body_order", {"gravity", "base_attitude", "base_upside_down"}},
       {"length_unit", {"gravity"}},
+      // Between which others it stands nobody knows.
+      {"body_far_away", {"gravity", "ring_misplaced"}},
       // Shapes are fitted from the base on, and under gravity.
       {"base_upside_down", {"gravity", "ring_wanders", "tangent_off"}},
       {"base_attitude", {"gravity", "ring_wanders", "tangent_off"}},

@@ -13,7 +13,7 @@ namespace softarm::check {
 namespace {
 
 void check_order(Context& context) {
-  const std::vector<Place> places = places_in(context, shape_span(context));
+  const std::vector<Place> places = shape_in(context, shape_span(context)).places;
   const auto ratio = length_ratio(places);
   if (!ratio || *ratio > kPolicy.geometry.most_order || *ratio < kPolicy.geometry.least_order) return;
   std::vector<Eigen::Vector3d> p_base;

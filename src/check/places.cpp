@@ -98,7 +98,8 @@ void check_places(Context& context) {
       context.recording.frames.size() < kPolicy.places.least_frames)
     return;
   // Residuals mean nothing where the geometry is not right yet.
-  if (context.found({"length_unit", "body_order", "base_upside_down", "base_attitude"})) return;
+  if (context.found({"length_unit", "body_far_away", "body_order", "base_upside_down", "base_attitude"}))
+    return;
   const arm::Arm arm = repaired_arm(context);
   const Residuals residuals = residuals_of(context, arm, kPolicy.places.most_frames, true);
   Worst off, lasting, slip;

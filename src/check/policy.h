@@ -202,9 +202,12 @@ struct Policy {
 
   /// Units, order and attitudes of the bodies.
   struct Geometry {
-    double least_ratio = 0.6, most_ratio = 1.6;   ///< distances over the arm file's; beyond, another unit
-    double least_unit = 0.75, most_unit = 1.35;   ///< the same with the unit put right
-    double least_order = 0.2, most_order = 20.0;  ///< the same: a wrong order can make as much
+    double least_ratio = 0.6, most_ratio = 1.6;  ///< distances over the arm file's; beyond, another unit
+    /// The same of the others, where one is beyond most_ratio times the length: up to here it is another
+    /// thing.
+    double most_others = 2.0;
+    double least_unit = 0.75, most_unit = 1.35;        ///< the same with the unit put right
+    double least_order = 0.2, most_order = 20.0;       ///< the same: a wrong order can make as much
     double least_attitude = 0.4, most_attitude = 2.0;  ///< the same: beyond, directions mean nothing
     double near_base = 0.6;                ///< of the length: the chord to a body there is half its bend off
     double base_off_rad = 50.0 * kDegree;  ///< of the base's z axis from such a chord

@@ -1,10 +1,12 @@
 #include "shape.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "policy.h"
 
 namespace softarm::check {
+namespace {
 
 std::vector<Place> places_in(const Context& context, const CheckSpan& span) {
   std::vector<Place> places;
@@ -30,6 +32,20 @@ std::vector<Place> places_in(const Context& context, const CheckSpan& span) {
   std::stable_sort(places.begin(), places.end(),
                    [](const Place& a, const Place& b) { return a.arclength_m < b.arclength_m; });
   return places;
+}
+
+}  // namespace
+
+Shape shape_in(const Context& context, const CheckSpan& span) {
+  std::vector<Place> all = places_in(context, span);
+  Shape shape;
+  for (const Place& place : all) {
+    const bool far = place.p_base.norm() > context.of_length(kPolicy.geometry.most_ratio);
+    (far ? shape.far_away : shape.places).push_back(place);
+  }
+  const auto ratio = length_ratio(shape.places);
+  if (2 * shape.far_away.size() < all.size() && ratio && *ratio < kPolicy.geometry.most_others) return shape;
+  return {std::move(all), {}};
 }
 
 std::optional<double> length_ratio(const std::vector<Place>& places) {

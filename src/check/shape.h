@@ -19,7 +19,11 @@ struct Place {
 
 /// Mean places of all bodies that are seen in a stretch, by arclength; empty without a base. Skin markers are
 /// left out: they are not on the backbone.
-std::vector<Place> places_in(const Context& context, const CheckSpan& span);
+struct Shape {
+  std::vector<Place> places;
+  std::vector<Place> far_away;  ///< further from the base than the arm reaches, where most are not
+};
+Shape shape_in(const Context& context, const CheckSpan& span);
 
 /// Length of the chain base - bodies in order of arclength, over what the arm file says.
 std::optional<double> length_ratio(const std::vector<Place>& places);

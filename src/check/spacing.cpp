@@ -145,7 +145,7 @@ std::string stretched_arm(const arm::Arm& arm, double stretch) {
 void check_spacing(Context& context) {
   const auto span = context.rest();
   if (!span) return;
-  const std::vector<Place> places = places_in(context, *span);
+  const std::vector<Place> places = shape_in(context, *span).places;
   if (places.empty()) return;
   double bend = 0.0;
   const std::vector<double> measured = arclengths(places, &bend);

@@ -1,9 +1,5 @@
-// The unit of the positions, by the arm's size.
+// The unit of the positions, by the arm's size; bodies that are nowhere near.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <string>
-#include <vector>
 
 #include "context.h"
 #include "policy.h"
@@ -20,31 +16,23 @@ struct LengthUnit {
 constexpr LengthUnit kLengthUnits[] = {
     {"mm", 1e-3, true}, {"cm", 1e-2, true}, {"m", 1.0, true}, {"inch", 0.0254, false}};
 
-/// Bodies further from the base than the arm reaches, where most are not: no unit makes that.
-/// @return whether there are such
-bool name_bodies_elsewhere(Context& context, const std::vector<Place>& places, double ratio) {
-  std::vector<std::string> far;
-  for (const Place& place : places) {
-    if (place.p_base.norm() > kPolicy.geometry.most_ratio * place.arclength_m)
-      far.push_back(fmt::format("{} is {:.3g} m from the base", context.tracks[place.track].body->name,
-                                place.p_base.norm()));
-  }
-  if (far.empty() || 2 * far.size() >= places.size()) return false;
-  CheckFinding& finding =
-      context.add("length_unit", "",
-                  fmt::format("{}, further than the arm reaches; the others are not", fmt::join(far, ", ")));
-  finding.figure = ratio;
-  finding.unit = "1";
+void say_far_away(Context& context, const Place& place) {
+  const double far_m = place.p_base.norm();
+  CheckFinding& finding = context.add(
+      "body_far_away", context.tracks[place.track].name,
+      fmt::format("it is {:.3g} m from the base, further than the arm reaches; most bodies are not", far_m));
+  finding.figure = far_m;
+  finding.unit = "m";
   finding.remedy =
-      "another rigid body under that name, or markers of another thing in it: look at the mocap system";
-  return true;
+      "another rigid body under that name, or markers of another thing in it: look at the mocap system. The "
+      "arm's shape is checked without it";
 }
 
 void check_units(Context& context) {
-  const std::vector<Place> places = places_in(context, shape_span(context));
-  const auto ratio = length_ratio(places);
+  const Shape shape = shape_in(context, shape_span(context));
+  for (const Place& place : shape.far_away) say_far_away(context, place);
+  const auto ratio = length_ratio(shape.places);
   if (!ratio || (*ratio > kPolicy.geometry.least_ratio && *ratio < kPolicy.geometry.most_ratio)) return;
-  if (name_bodies_elsewhere(context, places, *ratio)) return;
   // An import writes metres. Where the arm file takes them so, the layout is wrong.
   const double arm_unit_m = context.arm.inputs.bodies.scale_to_m;
   const bool of_layout = context.layout && arm_unit_m == 1.0;
@@ -80,7 +68,7 @@ void check_units(Context& context) {
 }  // namespace
 
 Check make_units() {
-  return {check_units, {{"length_unit", Severity::kSerious}}};
+  return {check_units, {{"body_far_away", Severity::kSerious}, {"length_unit", Severity::kSerious}}};
 }
 
 }  // namespace softarm::check

@@ -32,6 +32,10 @@ class Check : public ::testing::Test {
     }
   }
 
+  void move_away(std::size_t body) {
+    for (auto& pose : recording.bodies[body]) pose.p_mocap.x() += 12.0;
+  }
+
   arm::Arm arm = hanging_arm();
   trial::CheckRecording recording = clean();
 };
@@ -317,13 +321,50 @@ TEST_F(Check, MillimetresAsMetres) {
 }
 
 TEST_F(Check, OneBodyThatIsFarAwayIsNoUnit) {
-  for (auto& pose : recording.bodies[2]) pose.p_mocap.x() += 12.0;
+  move_away(2);
+  expect("body_far_away", check::Severity::kSerious, "ring_2");
   const check::CheckReport r = report();
-  const check::CheckFinding* f = find(r, "length_unit");
-  ASSERT_NE(f, nullptr) << to_text(r);
+  EXPECT_EQ(find(r, "length_unit"), nullptr) << to_text(r);
+  EXPECT_EQ(find(r, "body_far_away", "ring_1"), nullptr);
+  EXPECT_EQ(find(r, "body_far_away", "ring_3"), nullptr);
+  const check::CheckFinding* f = find(r, "body_far_away");
   EXPECT_EQ(f->setting, "");
-  EXPECT_THAT(f->what, HasSubstr("ring_2 is 12 m from the base"));
-  EXPECT_THAT(f->what, testing::Not(HasSubstr("ring_1")));
+  EXPECT_THAT(f->what, HasSubstr("12 m from the base"));
+  EXPECT_NEAR(*f->figure, 12.0, 0.1);
+}
+
+TEST_F(Check, WhereAllAreFurtherThanTheArmFileSaysNoneIsFarAway) {
+  for (auto& body : recording.bodies) {
+    for (auto& pose : body) pose.p_mocap *= 2.2;  // beyond the arm's reach is ring_3 alone
+  }
+  expect("length_unit", check::Severity::kSerious);
+  EXPECT_EQ(find(report(), "body_far_away"), nullptr);
+}
+
+TEST_F(Check, OrderAndAttitudesAreThoseOfTheBodiesThatAreNotFarAway) {
+  for (auto& pose : recording.bodies[0])
+    *pose.q_mocap = *pose.q_mocap * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY());
+  move_away(2);
+  expect("base_upside_down", check::Severity::kSerious, "base");
+  recording = clean();
+  for (auto& pose : recording.bodies[3])
+    *pose.q_mocap = *pose.q_mocap * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitY());
+  move_away(2);
+  expect("tangent_backwards", check::Severity::kSerious, "ring_3");
+  recording = clean();
+  std::swap(recording.bodies[1], recording.bodies[3]);
+  move_away(2);
+  expect("body_order", check::Severity::kSerious);
+  expect("body_far_away", check::Severity::kSerious, "ring_2");
+  EXPECT_THAT(find(report(), "body_order")->what, testing::Not(HasSubstr("ring_2")));
+}
+
+TEST_F(Check, SpacingIsThatOfTheBodiesThatAreNotFarAway) {
+  move_away(3);
+  EXPECT_EQ(find(report(), "stretched"), nullptr);
+  for (auto& body : arm.bodies) body.arclength_m *= 0.95;
+  expect("stretched", check::Severity::kWarning);
+  EXPECT_NEAR(*find(report(), "stretched")->figure, 1.0 / 0.95 - 1.0, 0.003);
 }
 
 TEST_F(Check, AnImportedUnitIsTheLayouts) {

@@ -90,6 +90,12 @@ TEST(CheckSettings, OfFiguresThatAnotherFindingSpoilsNoneIsSet) {
   EXPECT_NE(findings[1].setting, "");
   EXPECT_EQ(findings[2].setting, "");
   EXPECT_NE(findings[3].setting, "");
+
+  findings = {finding("body_far_away", ""), finding("ring_misplaced", "bodies[tip].arclength_m: 0.1900"),
+              finding("base_attitude", "base.rod_in_body: {position_m: [0, 0, 0]}")};
+  check::withhold_contradictions(findings);
+  EXPECT_EQ(findings[1].setting, "");
+  EXPECT_NE(findings[2].setting, "");
 }
 
 TEST(CheckSettings, InputsThatAreHeldForDifferentTimesHaveOneSetting) {
