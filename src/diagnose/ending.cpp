@@ -10,6 +10,8 @@
 #include "findings.h"
 #include "floor.h"
 #include "policy.h"
+#include "replacement.h"
+#include "screen.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -39,23 +41,40 @@ bool is_nothing(const model::Present& present) {
   return true;
 }
 
-/// Takes out of the model again what has become superfluous.
+/// The model without one of its effects, where that has become superfluous; nothing: it has not.
+std::optional<Standing> without_superfluous(JointModel& model, const Standing& current, std::size_t effect) {
+  if (moved_without_m(current, effect) > kPolicy.selection.clearly_there * trivial_m(model))
+    return std::nullopt;
+  Standing without = refit_without(model, current, effect);
+  if (!is_nothing(current.fit.at.effects[effect]) &&
+      moved_m(without.unseen, current.unseen) >= trivial_m(model))
+    return std::nullopt;
+  return without;
+}
+
+/// What was in the model may be there in place of an effect that stays.
+void add_rival(Selection& selection, std::size_t stays, const model::Effect* gone) {
+  EffectList& rivals = selection.rounds[selection.round_of[stays]].rivals;
+  if (std::find(rivals.begin(), rivals.end(), gone) == rivals.end()) rivals.push_back(gone);
+}
+
+/// Takes out of the model again what has become superfluous. What would have been superfluous in its place,
+/// and is not without it, does the same.
 /// @return whether there was any
-bool drop_superfluous(JointModel& model, Standing& current, std::vector<std::size_t>& round_of) {
+bool drop_superfluous(JointModel& model, Standing& current, Selection& selection) {
   bool dropped = false;
   for (std::size_t e = 0; current.fit.at.effects.size() > 1 && e < current.fit.at.effects.size();) {
-    if (moved_without_m(current, e) > kPolicy.selection.clearly_there * trivial_m(model)) {
+    const std::optional<Standing> without = without_superfluous(model, current, e);
+    if (!without) {
       ++e;
       continue;
     }
-    Standing without = refit_without(model, current, e);
-    if (!is_nothing(current.fit.at.effects[e]) &&
-        moved_m(without.unseen, current.unseen) >= trivial_m(model)) {
-      ++e;
-      continue;
+    const Standing with = std::exchange(current, standing_on(model, without->fit));
+    selection.round_of.erase(selection.round_of.begin() + static_cast<std::ptrdiff_t>(e));
+    for (std::size_t after = e; after < current.fit.at.effects.size(); ++after) {
+      if (without_superfluous(model, with, after + 1) && !without_superfluous(model, current, after))
+        add_rival(selection, after, with.fit.at.effects[e].effect);
     }
-    current = standing_on(model, without.fit);
-    round_of.erase(round_of.begin() + static_cast<std::ptrdiff_t>(e));
     dropped = true;
     e = 0;
   }
@@ -98,6 +117,16 @@ Doubt doubt_in(JointModel& model, Standing& current, const Posterior& of_all,
       between_folds(model, current.fit), catalogue, model.unknown_inertia());
 }
 
+/// A last round upon the model that something was taken out of, which looks at that like at all others. What
+/// was refitted in the one before stays.
+void look_again(JointModel& model, Standing& current, Selection& selection, const Options& options) {
+  Round last;
+  last.screened = screen(model, current.fit, options.jobs, [](double) {});
+  last.posterior = posterior_of(model, current, last, options.jobs);
+  last.refitted = selection.rounds.back().refitted;
+  selection.rounds.push_back(std::move(last));
+}
+
 }  // namespace
 
 bool keep_one_of_two_alike(JointModel& model, Standing& current, Selection& selection) {
@@ -110,9 +139,7 @@ bool keep_one_of_two_alike(JointModel& model, Standing& current, Selection& sele
     std::swap(gone, stays);
     std::swap(without, without_other);
   }
-  EffectList& rivals = selection.rounds[selection.round_of[stays]].rivals;
-  const model::Effect* effect = current.fit.at.effects[gone].effect;
-  if (std::find(rivals.begin(), rivals.end(), effect) == rivals.end()) rivals.push_back(effect);
+  add_rival(selection, stays, current.fit.at.effects[gone].effect);
   current = standing_on(model, without.fit);
   selection.round_of.erase(selection.round_of.begin() + static_cast<std::ptrdiff_t>(gone));
   return true;
@@ -165,26 +192,23 @@ Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selecti
 
 Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
                               const Options& options) {
-  Round last;
-  last.screened = selection.rounds.back().screened;
-  Posterior of_all = selection.rounds.back().posterior;
-  if (drop_superfluous(model, current, selection.round_of))
-    of_all = posterior_of(model, current, last, options.jobs);
+  if (drop_superfluous(model, current, selection)) look_again(model, current, selection, options);
+  bool changed = put_likelier_in_place(model, current, selection, options);
   for (;;) {
-    selection.doubt = doubt_in(model, current, of_all, last.screened, options, selection);
-    if (keep_one_of_two_alike(model, current, selection)) {
-      of_all = posterior_of(model, current, last, options.jobs);
-      continue;
-    }
-    if (current.fit.at.effects.empty()) return {of_all.background, selection.baseline_unseen};
+    if (changed) look_again(model, current, selection, options);
+    const Round& last = selection.rounds.back();
+    selection.doubt = doubt_in(model, current, last.posterior, last.screened, options, selection);
+    changed = keep_one_of_two_alike(model, current, selection);
+    if (changed) continue;
+    if (current.fit.at.effects.empty()) return {last.posterior.background, selection.baseline_unseen};
     Unseen unseen = refitted_unseen(model, current.fit);
     if (unseen.total_rms_m < selection.baseline_unseen.total_rms_m)
-      return {of_all.background, std::move(unseen)};
+      return {last.posterior.background, std::move(unseen)};
     const std::vector<double>& there = selection.doubt.still_there;
     const auto least = std::min_element(there.begin(), there.end()) - there.begin();
     current = standing_on(model, refit_without(model, current, static_cast<std::size_t>(least)).fit);
     selection.round_of.erase(selection.round_of.begin() + least);
-    of_all = posterior_of(model, current, last, options.jobs);
+    changed = true;
   }
 }
 

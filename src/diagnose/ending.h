@@ -11,7 +11,8 @@ struct Ending {
 };
 
 /// Takes out again what has become superfluous, then, while true refits predict unseen trials no better than
-/// the arm's constants alone do, what is least sure.
+/// the arm's constants alone do, what is least sure. A round more looks at what was taken out, too. What
+/// stays though it would have been superfluous in the place of what was taken out has that one as its rival.
 Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
                               const Options& options);
 

@@ -236,6 +236,7 @@ void set_stand_ins_apart(Diagnosis& d) {
   // An explanation to the noise stands as a whole, however little is known of its parts.
   if (d.verdict != Verdict::kExplained) from(d.effects);
   from(d.small_departures);
+  for (NamedEffect& effect : d.stand_ins) effect.confusable_with.clear();
 }
 
 Verdict verdict_of(const Diagnosis& d, bool adequate) {

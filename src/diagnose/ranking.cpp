@@ -39,7 +39,14 @@ const Refitted* refit_of(const Round& round, const Effect* effect) {
   return found == round.refitted.end() ? nullptr : &*found;
 }
 
-/// One that was not taken, by the last screen.
+/// Whether a round took it, so that it was in the model.
+bool was_taken(const Selection& selection, const Effect* effect) {
+  return std::any_of(selection.rounds.begin(), selection.rounds.end(), [&](const Round& round) {
+    return round.taken >= 0 && round.refitted[static_cast<std::size_t>(round.taken)].effect == effect;
+  });
+}
+
+/// One that is not in the model, by the last screen.
 Candidate left_aside(const JointModel& model, const Selection& selection, const Screened& s) {
   const double trivial_m = kPolicy.selection.trivial * model.arm().total_length_m();
   Candidate c = candidate_of(s);
@@ -89,7 +96,7 @@ std::vector<Candidate> ranking_of(const JointModel& model, const Selection& sele
       c.finding = Finding::kRival;
       c.probability = round.posterior.of(rival);
       // It was taken, and taken out again for the one that stays.
-      if (&round != &selection.rounds[n]) c.probability = std::min(c.probability, kPolicy.posterior.named);
+      if (was_taken(selection, rival)) c.probability = std::min(c.probability, kPolicy.posterior.named);
       if (const Refitted* r = refit_of(round, rival)) {
         c.z = r->z;
         c.log_score = r->gain / bodies;

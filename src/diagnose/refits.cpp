@@ -313,6 +313,17 @@ Standing standing_on(JointModel& model, const Linearised& fit) {
   return standing;
 }
 
+Standing standing_at(JointModel& model, const JointParameters& at,
+                     const std::vector<std::vector<model::Predicted>>& predicted) {
+  JointModel::FitOptions how = refit_options(kLastIterations);
+  how.derivatives = JointModel::Derivatives::kWhole;
+  how.known = true;
+  Standing standing;
+  standing.fit = model.fit(at, how, &predicted);
+  standing.unseen = unseen(model, standing.fit);
+  return standing;
+}
+
 void linearise_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {
   const auto best =
       std::min_element(refitted.begin(), refitted.end(),

@@ -66,6 +66,10 @@ void refit_what_is_alike(JointModel& model, const Standing& current, const std::
 /// left over.
 Standing standing_on(JointModel& model, const Linearised& fit);
 
+/// The same, from parameters of which nothing but the predictions is known.
+Standing standing_at(JointModel& model, const JointParameters& at,
+                     const std::vector<std::vector<model::Predicted>>& predicted);
+
 /// Takes refits that explain most by derivatives of their own, where they came near by others'. Else evidence
 /// would take for a second effect, nearly the same, what these miss.
 void linearise_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted);

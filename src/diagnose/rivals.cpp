@@ -19,11 +19,6 @@ bool take_turns(const Posterior& posterior, const Effect* one, const Effect* oth
          instead * of_one > kPolicy.posterior.turns * with * (1.0 - of_one);
 }
 
-const Screened& screened_of(const Round& round, const Effect* effect) {
-  return *std::find_if(round.screened.begin(), round.screened.end(),
-                       [&](const Screened& s) { return s.effect == effect; });
-}
-
 /// Which of two goes into the model first: by the gain on unseen trials of those that are more probable than
 /// not, else by probability.
 bool leads(const Refitted& one, const Refitted& other) {
@@ -35,6 +30,11 @@ bool leads(const Refitted& one, const Refitted& other) {
 }
 
 }  // namespace
+
+const Screened& screened_of(const Round& round, const Effect* effect) {
+  return *std::find_if(round.screened.begin(), round.screened.end(),
+                       [&](const Screened& s) { return s.effect == effect; });
+}
 
 double of_class(const Round& round, const Effect* effect) {
   EffectList list{effect};

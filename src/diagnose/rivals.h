@@ -8,6 +8,9 @@
 
 namespace softarm::diagnose {
 
+/// What a round's screen made of one of its effects.
+const Screened& screened_of(const Round& round, const model::Effect* effect);
+
 /// Probability that it, or one of those that it takes turns with, is there.
 double of_class(const Round& round, const model::Effect* effect);
 

@@ -52,7 +52,7 @@ struct Selection {
   /// The extended ones with small departures of all other effects, which cannot be told apart.
   Unseen with_background;
   double first_order_rms_m = 0.0;  ///< of the baseline on unseen trials, as the rounds have it
-  std::vector<Round> rounds;
+  std::vector<Round> rounds;       ///< the last one looked at all that is not in `extended`
   /// For each effect of `extended`: the round in which it was taken.
   std::vector<std::size_t> round_of;
   double inflation = 1.0;  ///< of the extended fit

@@ -72,7 +72,9 @@ Eigen::VectorXd Widening::moderated(const Spread& spread, const std::vector<Usua
                                     const std::vector<Eigen::Index>& rows, const Eigen::VectorXd& variance) {
   Eigen::VectorXd times = Eigen::VectorXd::Ones(variance.size());
   if (usual.empty() || spread.variance.size() == 0) return times;
-  constexpr double kUpTo = 0.95;  // of a 90 % interval, as which sizes are told
+  // As wide as the interval as which sizes are told.
+  constexpr double kSd = kPolicy.words.interval_sd;
+  const double up_to = 1.0 - 0.5 * math::normal_two_sided(kSd);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Eigen::Index row = rows[i], at = static_cast<Eigen::Index>(i);
     const double observed = spread.freedom[row], ratio = ratio_of(spread, row, variance[at]);
@@ -80,7 +82,7 @@ Eigen::VectorXd Widening::moderated(const Spread& spread, const std::vector<Usua
     for (const Usual& u : usual) {
       if (u.freedom != freedom) {
         freedom = u.freedom;
-        t2 = std::pow(math::students_t_quantile(freedom + observed, kUpTo) / math::normal_quantile(kUpTo), 2);
+        t2 = std::pow(math::students_t_quantile(freedom + observed, up_to) / kSd, 2);
       }
       factor += u.weight * t2 * (u.freedom * u.scale + observed * ratio) / (u.freedom + observed);
     }

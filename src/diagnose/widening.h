@@ -18,11 +18,11 @@ class Widening {
   /// @param spreads, covariance of a fit's unknowns
   Widening(const Spreads& spreads, const Eigen::MatrixXd& covariance);
 
-  /// Factors of the variances of some unknowns: of the normal distribution whose 90 % interval is as wide as
-  /// Student's t's; 1 or more. What the unknown has from before the trials does not widen.
-  /// By sequence and session what both say is added, less what trials that share both say, which is in either
-  /// (Cameron, Gelbach and Miller 2011, doi:10.1198/jbes.2010.07136); no less than each says alone, as the
-  /// difference may chance to.
+  /// Factors of the variances of some unknowns: of the normal distribution whose interval, as sizes are told
+  /// (Words::interval_sd), is as wide as Student's t's; 1 or more. What the unknown has from before the
+  /// trials does not widen. By sequence and session what both say is added, less what trials that share both
+  /// say, which is in either (Cameron, Gelbach and Miller 2011, doi:10.1198/jbes.2010.07136); no less than
+  /// each says alone, as the difference may chance to.
   /// @param spreads of all unknowns of a fit, some of them perhaps held
   /// @param rows the unknowns
   /// @param variance of each of `rows`, by the posterior

@@ -170,6 +170,7 @@ TEST(Findings, WhatIsHardlyThereStandsApart) {
   Diagnosis d;
   d.effects = {effect("there", 0.9, 0.6), effect("hardly", 0.02, 0.3), effect("likely", 0.3, 0.1)};
   d.small_departures = {effect("no", 0.001, 0.0), effect("small", 1.0, 0.0)};
+  for (NamedEffect& one : d.effects) one.confusable_with = {"another"};
   d.verdict = Verdict::kExplained;  // the whole is known, whatever of its parts is not
   Diagnosis whole = d;
   set_stand_ins_apart(whole);
@@ -180,6 +181,8 @@ TEST(Findings, WhatIsHardlyThereStandsApart) {
   EXPECT_EQ(ids(d.effects), (std::vector<std::string>{"there", "likely"}));
   EXPECT_EQ(ids(d.small_departures), std::vector<std::string>{"small"});
   EXPECT_EQ(ids(d.stand_ins), (std::vector<std::string>{"hardly", "no"}));
+  EXPECT_EQ(d.effects.front().confusable_with, std::vector<std::string>{"another"});
+  EXPECT_TRUE(d.stand_ins.front().confusable_with.empty());
 }
 
 TEST(Findings, NothingIsExplainedByWhatIsHardlyThere) {

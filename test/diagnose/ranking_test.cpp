@@ -60,5 +60,26 @@ TEST(Ranking, HasWhatWasTakenOutAgainForAnotherAndNoneSurerThanWhatIsNamed) {
   EXPECT_DOUBLE_EQ(list[2].probability, kPolicy.posterior.named);
 }
 
+/// Both upon one look, in which both were as good as certain.
+TEST(Ranking, HasWhatWasTakenBesideAnotherAndOutAgainNoSurerThanWhatIsNamed) {
+  const arm::Arm arm = arm::load_arm_file(SOFTARM_SOURCE_DIR "/config/arms/cable_235mm.yaml");
+  const std::vector<model::TrialData> none;
+  const JointModel model(arm, none, 1);
+  const model::Effect *gone = effects::find("gravity_direction"), *stays = effects::find("base_tilt"),
+                      *left = effects::find("torsion");
+  Selection selection;
+  selection.rounds.push_back(round_that_took({gone, stays, left}, 0.99));
+  selection.rounds.push_back(round_that_took({stays, gone, left}, 0.99));
+  selection.rounds[1].posterior.sets = {{{gone, stays}, 0.99}, {{}, 0.01}};
+  selection.rounds[1].rivals = {gone, left};
+  selection.round_of = {1};
+  selection.extended.at.effects.push_back({stays, selection.rounds[1].screened[0].values});
+  const std::vector<Candidate> list = ranking_of(model, selection);
+  ASSERT_EQ(list.size(), 3u);
+  EXPECT_EQ(list[1].id, "gravity_direction");
+  EXPECT_EQ(list[1].finding, Finding::kRival);
+  EXPECT_DOUBLE_EQ(list[1].probability, kPolicy.posterior.named);
+}
+
 }  // namespace
 }  // namespace softarm::diagnose

@@ -1,4 +1,4 @@
-// Fits with one effect more, and which of them the model ends with.
+// Fits with one effect more.
 #include "diagnose/refits.h"
 
 #include <gtest/gtest.h>
@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
-#include "diagnose/ending.h"
 #include "diagnose/floor.h"
 #include "diagnose/policy.h"
 #include "diagnose/screen.h"
 #include "diagnose/unseen.h"
 #include "looked.h"
 #include "recorded_case.h"
+#include "started.h"
 
 namespace softarm::diagnose {
 namespace {
@@ -190,24 +190,11 @@ TEST(Refits, EvidenceOfThoseThatLeadIsByDerivativesOfTheirOwn) {
   EXPECT_FALSE(named("creep").fit.own_derivatives) << "explains next to nothing";
 }
 
-/// What a first round knows before its refits.
-struct Started {
-  explicit Started(testing::Looked& looked) : alone{looked.baseline, unseen(looked.model, looked.baseline)} {
-    round.screened = screen(looked.model, looked.baseline, 0, [](double) {});
-  }
-  const Screened& of(const std::string& id) const {
-    return *std::find_if(round.screened.begin(), round.screened.end(),
-                         [&](const Screened& s) { return s.effect->info().id == id; });
-  }
-  Standing alone;
-  Round round;
-};
-
 TEST(Refits, WhatOthersDoBesideARefitIsWhatTheyDoAboutItsFit) {
   const testing::RecordedCase drawn =
       testing::recorded_case("{count_weights: [0, 1], from: [tether], size: [0.9, 1.0]}", 6, 3, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
-  Started begun(looked);
+  testing::Started begun(looked);
   const Screened& tether = begun.of("tether");
   Refitted with = refit(looked.model, begun.alone, tether);
   looked.model.take_own_derivatives(with.fit);
@@ -287,7 +274,7 @@ TEST(Refits, EvidenceIsMadeAgainOnlyOfWhatChangedAndIsTheSame) {
   const testing::RecordedCase drawn =
       testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.9, 1.0]}", 6, 3, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
-  Started begun(looked);
+  testing::Started begun(looked);
   Round& round = begun.round;
   for (const char* id : {"tip_mass", "payload_scale"}) {
     round.refitted.push_back(refit(looked.model, begun.alone, begun.of(id)));
@@ -387,104 +374,6 @@ TEST(Screen, ThatKnowsTheSignaturesOfTheModelBeforeFindsWhatOneFromNothingDoes) 
     EXPECT_LE(same->gain, one.gain * (1.0 + 1e-6) + 1e-9) << one.effect->info().id;
     EXPECT_GE(same->gain, 0.9 * one.gain - 10.0) << one.effect->info().id;
   }
-}
-
-/// The model with one effect more than the arm's constants, as a selection's rounds leave it.
-struct Extended {
-  explicit Extended(testing::Looked& looked, const std::string& id) {
-    selection.baseline = looked.baseline;
-    selection.baseline_unseen = refitted_unseen(looked.model, looked.baseline);
-    Started begun(looked);
-    Refitted with = refit(looked.model, begun.alone, begun.of(id));
-    current = {std::move(with.fit), std::move(with.unseen)};
-    begun.round.posterior = posterior_of(looked.model, current, begun.round, 0);
-    selection.rounds.push_back(std::move(begun.round));
-    selection.round_of = {0};
-  }
-  Selection selection;
-  Standing current;
-};
-
-TEST(Ending, WhatPredictsUnseenTrialsWorseIsTakenOutAgainAndWhatIsThereStays) {
-  const testing::RecordedCase drawn =
-      testing::recorded_case("{count_weights: [0, 1], from: [base_compliance], size: [0.3, 0.6]}", 4, 4, 8.0);
-  testing::Looked looked(drawn.arm, drawn.trials);
-  int worse = 0;
-  for (const char* id : {"base_compliance", "torsion", "gravity_direction"}) {
-    SCOPED_TRACE(id);
-    Extended extended(looked, id);
-    const double before_m = extended.selection.baseline_unseen.total_rms_m,
-                 after_m = refitted_unseen(looked.model, extended.current.fit).total_rms_m;
-    const Ending ending = end_with_what_predicts(looked.model, extended.current, extended.selection, {});
-    EXPECT_EQ(extended.current.fit.at.effects.size(), after_m < before_m ? 1u : 0u);
-    EXPECT_EQ(extended.selection.round_of.size(), extended.current.fit.at.effects.size());
-    EXPECT_DOUBLE_EQ(ending.unseen.total_rms_m, std::min(before_m, after_m));
-    worse += after_m >= before_m;
-    EXPECT_TRUE(id != std::string("base_compliance") || worse == 0);
-  }
-  EXPECT_GT(worse, 0) << "nothing was tried that predicts worse";
-}
-
-TEST(Ending, TheSearchIsLostWithTwoEffectsThatAreNotThere) {
-  const testing::RecordedCase drawn = testing::recorded_case(
-      "{count_weights: [0, 1], from: [base_compliance], size: [0.8, 1.0]}", 4, 5, 10.0);
-  testing::Looked looked(drawn.arm, drawn.trials);
-  for (const char* id : {"base_compliance", "torsion"}) {
-    SCOPED_TRACE(id);
-    Extended extended(looked, id);
-    Selection& selection = extended.selection;
-    selection.rounds[0].taken = -1;
-    Started again(looked);
-    Refitted both = refit(looked.model, extended.current, again.of("gravity_direction"));
-    extended.current = standing_on(looked.model, both.fit);
-    again.round.screened.clear();  // nothing else may be there in their place
-    again.round.posterior = posterior_of(looked.model, extended.current, again.round, 0);
-    for (const char* taken : {id, "gravity_direction"}) {
-      Round round;
-      round.refitted.resize(1);
-      round.refitted[0].moved_m = taken == std::string("base_compliance") ? 1e-3 : 1e-6;
-      round.taken = 0;
-      selection.rounds.push_back(std::move(round));
-    }
-    selection.round_of = {1, 2};
-    EXPECT_EQ(is_lost(looked.model, extended.current, again.round, selection, {}),
-              id == std::string("torsion"));
-  }
-}
-
-TEST(Ending, OfTwoEffectsThatDoTheSameOneStaysWithTheOtherAsItsRival) {
-  const testing::RecordedCase drawn = testing::recorded_case(
-      "{count_weights: [0, 1], from: [pressure_stiffening], size: [0.8, 1.0]}", 5, 4, 8.0);
-  testing::Looked looked(drawn.arm, drawn.trials);
-  Extended extended(looked, "pressure_stiffening");
-  Started again(looked);
-  Refitted both = refit(looked.model, extended.current, again.of("radial_expansion"));
-  ASSERT_EQ(both.fit.at.effects.size(), 2u);
-  const Standing standing = standing_on(looked.model, both.fit);
-  const auto ended = [&](double correlation, double probability) {
-    extended.current = standing;
-    Selection& selection = extended.selection;
-    selection.rounds.resize(1);
-    selection.rounds.push_back(Round());
-    selection.rounds[0].rivals.clear();
-    selection.round_of = {0, 1};
-    selection.doubt.still_there = {0.01, probability};
-    const auto n = static_cast<Eigen::Index>(standing.fit.columns.size());
-    selection.doubt.covariance = Eigen::MatrixXd::Identity(n, n);
-    const Eigen::Index i = rows_of_sizes(standing.fit, 0).front(), j = rows_of_sizes(standing.fit, 1).front();
-    selection.doubt.covariance(i, j) = selection.doubt.covariance(j, i) = correlation;
-    return keep_one_of_two_alike(looked.model, extended.current, selection);
-  };
-  EXPECT_FALSE(ended(-0.99, 0.9)) << "one of them is certain";
-  EXPECT_FALSE(ended(0.5, 0.01)) << "neither can do what the other does";
-  EXPECT_EQ(extended.current.fit.at.effects.size(), 2u);
-  ASSERT_TRUE(ended(-0.99, 0.01));
-  ASSERT_EQ(extended.current.fit.at.effects.size(), 1u);
-  ASSERT_EQ(extended.selection.round_of.size(), 1u);
-  const bool first_stays = extended.current.fit.at.effects[0].effect == standing.fit.at.effects[0].effect;
-  EXPECT_EQ(extended.selection.round_of[0], first_stays ? 0u : 1u);
-  EXPECT_EQ(extended.selection.rounds[extended.selection.round_of[0]].rivals,
-            (std::vector<const model::Effect*>{standing.fit.at.effects[first_stays ? 1 : 0].effect}));
 }
 
 /// Steps of the fit are in these scales.

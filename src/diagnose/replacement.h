@@ -1,0 +1,19 @@
+// Effects of the model against those that may be there in their place, once all else is known.
+#pragma once
+
+#include "joint_model.h"
+#include "refits.h"
+#include "selection.h"
+
+namespace softarm::diagnose {
+
+/// When an effect came into the model, others were not known yet, and it may have come because it also took
+/// up some of theirs: a hose, which has five numbers, where a weight hangs at the tip. Each effect of the
+/// model that others came after is compared again with what does nearly the same: all are fitted upon the
+/// model without it, and the posterior about these fits says which is there. The likelier takes its place,
+/// and it becomes a rival of that one; so does one that stays out but may be there instead.
+/// @return whether an effect took another's place: the last round then looked at another model
+bool put_likelier_in_place(JointModel& model, Standing& current, Selection& selection,
+                           const Options& options);
+
+}  // namespace softarm::diagnose

@@ -1,0 +1,83 @@
+// What may be there in place of an effect of the model, once all else is known.
+#include "diagnose/replacement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "diagnose/rivals.h"
+#include "diagnose/screen.h"
+#include "diagnose/unseen.h"
+#include "looked.h"
+#include "recorded_case.h"
+
+namespace softarm::diagnose {
+namespace {
+
+/// A model that took one effect and then another, of which both were screened without either.
+struct TakenInTurn {
+  TakenInTurn(testing::Looked& looked, const std::vector<std::string>& ids) {
+    Standing standing{looked.baseline, unseen(looked.model, looked.baseline)};
+    for (const std::string& id : ids) {
+      Round round;
+      round.screened = screen(looked.model, standing.fit, 0, [](double) {});
+      const auto s = std::find_if(round.screened.begin(), round.screened.end(),
+                                  [&](const Screened& one) { return one.effect->info().id == id; });
+      round.refitted.push_back(refit(looked.model, standing, *s));
+      round.taken = 0;
+      standing = standing_on(looked.model, round.refitted.front().fit);
+      selection.round_of.push_back(selection.rounds.size());
+      selection.rounds.push_back(std::move(round));
+    }
+    Round last;
+    last.screened = screen(looked.model, standing.fit, 0, [](double) {});
+    selection.rounds.push_back(std::move(last));
+    current = std::move(standing);
+  }
+  std::vector<std::string> ids() const {
+    std::vector<std::string> list;
+    for (const model::Present& present : current.fit.at.effects) list.push_back(present.effect->info().id);
+    return list;
+  }
+  Standing current;
+  Selection selection;
+};
+
+TEST(Replacement, AWeightTakesThePlaceOfAHoseThatOnlyWeighs) {
+  const testing::RecordedCase drawn = testing::recorded_case(
+      "{count_weights: [0, 0, 1], from: [tip_mass, base_tilt], size: [0.6, 1.0]}", 5, 4, 10.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  TakenInTurn taken(looked, {"tether", "base_tilt"});
+  ASSERT_EQ(taken.ids(), (std::vector<std::string>{"tether", "base_tilt"}));
+  const double square = taken.current.fit.square;
+  ASSERT_TRUE(put_likelier_in_place(looked.model, taken.current, taken.selection, {}));
+  EXPECT_EQ(taken.ids(), (std::vector<std::string>{"tip_mass", "base_tilt"})) << "in the same place";
+  EXPECT_LT(taken.current.fit.square, 1.1 * square);
+  const Round& round = taken.selection.rounds[0];
+  ASSERT_EQ(round.refitted.at(static_cast<std::size_t>(round.taken)).effect->info().id, "tip_mass");
+  EXPECT_GT(round.refitted.at(static_cast<std::size_t>(round.taken)).probability, 0.5);
+}
+
+TEST(Replacement, AHoseThatPullsStays) {
+  const testing::RecordedCase drawn = testing::recorded_case(
+      "{count_weights: [0, 0, 1], from: [tether, base_tilt], size: [0.6, 1.0]}", 5, 4, 10.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  TakenInTurn taken(looked, {"tether", "base_tilt"});
+  EXPECT_FALSE(put_likelier_in_place(looked.model, taken.current, taken.selection, {}));
+  EXPECT_EQ(taken.ids(), (std::vector<std::string>{"tether", "base_tilt"}));
+}
+
+TEST(Replacement, WhatCameLastWasComparedUponAllOthers) {
+  const testing::RecordedCase drawn =
+      testing::recorded_case("{count_weights: [0, 1], from: [tip_mass], size: [0.6, 1.0]}", 5, 3, 8.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  TakenInTurn taken(looked, {"tether"});
+  EXPECT_FALSE(put_likelier_in_place(looked.model, taken.current, taken.selection, {}));
+  EXPECT_EQ(taken.ids(), std::vector<std::string>{"tether"});
+}
+
+}  // namespace
+}  // namespace softarm::diagnose
