@@ -73,6 +73,8 @@ class Contact : public Described {
     return stretch_m(values, arm.total_length_m());
   }
   bool holds_places() const override { return true; }
+  /// Where a rough one holds the arm along its face goes by the shapes before: only a smooth one has it all.
+  bool needs_whole_derivatives(const Values& values) const override { return values[4] > 0.0; }
   std::vector<double> held_places_m(const FineRod& fine, const Values& values) const override {
     const auto [from_m, to_m] = stretch_m(values, fine.length_m());
     if (!is_spread(values)) return {from_m};

@@ -19,6 +19,8 @@ class CurvatureSoftening : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
+  bool acts_last() const override { return true; }
+  bool needs_whole_derivatives(const Values&) const override { return false; }
   std::vector<Values> grid(const arm::Arm&, const FineRod& fine) const override {
     std::vector<Values> list;
     for (const double knee_rad : kKnees_rad) list.push_back(Vector2d(0.0, knee_rad / fine.length_m()));
@@ -38,7 +40,8 @@ class CurvatureSoftening : public Described {
       const double width = kKneeRounding * knee, from = size - knee, root = std::hypot(from, width);
       const double beyond = 0.5 * (from + root + knee - std::hypot(knee, width));
       const double slope = 0.5 * (1.0 + from / root);
-      bend_to(rest + (1.0 + softer * beyond / size) * even, 1.0 / (1.0 + softer * slope), middle, piece);
+      const double more = 1.0 + softer * beyond / size;
+      bend_to(rest + more * even, slope_about(even, 1.0 + softer * slope, more), middle, piece);
     }
   }
 };

@@ -1,5 +1,6 @@
 #include "drives.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -154,11 +155,30 @@ void stiffen(double factor, const arm::Arm& arm, const model::FineRod& fine, con
   }
 }
 
-void bend_to(const Eigen::Vector2d& curvature, double stiffness_ratio, const rod::RodState& middle,
+Eigen::Matrix2d slope_about(const Eigen::Vector2d& direction, double along, double across) {
+  const Eigen::Vector2d unit = direction.normalized();
+  return across * Eigen::Matrix2d::Identity() + (along - across) * unit * unit.transpose();
+}
+
+void bend_to(const Eigen::Vector2d& curvature, const Eigen::Matrix2d& slope, const rod::RodState& middle,
              rod::Segment& piece) {
-  const Eigen::Vector2d beyond = linear_curvature(piece, middle) - piece.rest_curvature_per_m.head<2>();
-  piece.bending_compliance /= stiffness_ratio;
-  piece.rest_curvature_per_m.head<2>() = curvature - beyond / stiffness_ratio;
+  const Eigen::Vector3d moment = middle.q.conjugate() * middle.m + piece.moment_nm;
+  Eigen::Matrix2d linear;
+  linear.col(0) = piece.curvature_of(Eigen::Vector2d::UnitX());
+  linear.col(1) = piece.curvature_of(Eigen::Vector2d::UnitY());
+  // Compliances are symmetric: slope * linear where one of the two is a number, as of a round section.
+  const double determinant = std::sqrt(slope.determinant());
+  const Eigen::Matrix2d root =
+      (slope + determinant * Eigen::Matrix2d::Identity()) / std::sqrt(slope.trace() + 2.0 * determinant);
+  const Eigen::Matrix2d compliance = root * linear * root;
+  const double mean = 0.5 * compliance.trace();
+  piece.rest_curvature_per_m.head<2>() = curvature - compliance * moment.head<2>();
+  if (!(mean > 0.0)) return;  // rigid
+  // As Segment::curvature_of has it.
+  piece.bending_compliance = compliance.determinant() / mean;
+  piece.anisotropy = Eigen::Vector2d(0.5 * (compliance(1, 1) - compliance(0, 0)),
+                                     -0.5 * (compliance(0, 1) + compliance(1, 0))) /
+                     mean;
 }
 
 }  // namespace softarm::effects

@@ -90,8 +90,13 @@ Eigen::Vector2d linear_curvature(const rod::Segment& piece, const rod::RodState&
 /// stays: their moment goes with the stiffness.
 void stiffen(double factor, const arm::Arm& arm, const model::FineRod& fine, const model::Instant& instant,
              rod::Rod& rod);
-/// Makes the piece have another curvature at that moment, and another stiffness about it.
-void bend_to(const Eigen::Vector2d& curvature, double stiffness_ratio, const rod::RodState& middle,
+/// Of a law that leaves a curvature its direction: what it makes of a small change along it and across it.
+Eigen::Matrix2d slope_about(const Eigen::Vector2d& direction, double along, double across);
+/// Makes the piece have another curvature at the moment that acts in the shape, and about it the law's own
+/// answer to a change of that moment, along and across: solutions settle at once, and derivatives by the rod
+/// are those of the law. Only for effects that act last; exact for a section that is round, else nearly so.
+/// @param slope of the curvature by what linear_curvature() is; symmetric, positive definite
+void bend_to(const Eigen::Vector2d& curvature, const Eigen::Matrix2d& slope, const rod::RodState& middle,
              rod::Segment& piece);
 
 }  // namespace softarm::effects

@@ -9,6 +9,8 @@ class Inertia : public Described {
   using Described::Described;
   bool needs_shape() const override { return true; }
   bool needs_motion() const override { return true; }
+  /// Of the shape it looks at the motion alone, which the first order has as that of the arm's own inertia.
+  bool needs_whole_derivatives(const Values&) const override { return false; }
   model::Sluggishness sluggishness(const Values& values) const override { return {values[0], values[1]}; }
   void act(const arm::Arm&, const FineRod& fine, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {

@@ -41,11 +41,10 @@ struct Elements {
   std::array<double, kElements> yields;
 
   /// What the linear law gives for the moment at which the curvature is u, 1/m: u less what its elements do
-  /// not bear, each one a part `lost` of EI. @param slope of it by u, and the least of EI that is felt
-  Vector2d linear(const Vector2d& u, double lost, Eigen::Matrix2d& slope, double& stiffness) const {
+  /// not bear, each one a part `lost` of EI. @param slope of it by u
+  Vector2d linear(const Vector2d& u, double lost, Eigen::Matrix2d& slope) const {
     Vector2d sum = u;
     slope.setIdentity();
-    stiffness = 1.0;
     for (std::size_t i = 0; i < kElements; ++i) {
       const Vector2d beyond = u - slipped[i], elastic = elastic_of(beyond, yields[i]);
       sum -= lost * (u - elastic);
@@ -55,22 +54,21 @@ struct Elements {
         slope += lost * Eigen::Matrix2d::Identity();
         continue;
       }
-      stiffness -= lost;
       slope += lost * yields[i] / size *
                (Eigen::Matrix2d::Identity() - beyond * beyond.transpose() / (size * size));
     }
     return sum;
   }
   /// The curvature at which linear() is l: the root of a gradient of a convex function, by Newton's steps.
-  Vector2d curvature(const Vector2d& l, double lost, Vector2d u, double& stiffness) const {
-    Eigen::Matrix2d slope;
-    Vector2d off = linear(u, lost, slope, stiffness) - l;
+  /// @param slope of linear() there
+  Vector2d curvature(const Vector2d& l, double lost, Vector2d u, Eigen::Matrix2d& slope) const {
+    Vector2d off = linear(u, lost, slope) - l;
     for (int step = 0; step < kSteps && off.norm() > kExact_per_m; ++step) {
       const Vector2d towards = -slope.inverse() * off;
       double part = 1.0;
       Vector2d next = off;
       do {  // elements begin and cease to slip on the way
-        next = linear(u + part * towards, lost, slope, stiffness) - l;
+        next = linear(u + part * towards, lost, slope) - l;
         part *= 0.5;
       } while (next.norm() >= off.norm() && part > 1e-3);
       u += 2.0 * part * towards;
@@ -97,6 +95,9 @@ class JammingYield : public Described {
     return list;
   }
   bool needs_shape() const override { return true; }
+  bool acts_last() const override { return true; }
+  /// What slipped before was another, too: an arm that is held where it slips would seem not to.
+  bool needs_whole_derivatives(const Values&) const override { return true; }
   void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
            const Shape* shape, const Memory& memory, rod::Rod& rod) const override {
     if (values[0] == 0.0) return;
@@ -106,10 +107,10 @@ class JammingYield : public Described {
       rod::Segment& piece = rod.segments[j];
       const rod::RodState& middle = shape->middles[j];
       const double lost = std::min(values[0] * now * piece.bending_compliance, kMostLost) / kElements;
-      double stiffness = 1.0;
+      Eigen::Matrix2d slope;
       const Vector2d u = elements(memory, j, now, values)
-                             .curvature(linear_curvature(piece, middle), lost, middle.u.head<2>(), stiffness);
-      bend_to(u, stiffness, middle, piece);
+                             .curvature(linear_curvature(piece, middle), lost, middle.u.head<2>(), slope);
+      bend_to(u, slope.inverse(), middle, piece);
     }
   }
   std::vector<StartNumber> starts(const arm::Arm& arm, const Values&) const override {

@@ -22,6 +22,10 @@ class Mullins : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
+  bool acts_last() const override { return true; }
+  /// The largest curvature was another, too: an arm that is held where it is largest would seem to answer by
+  /// the steep part of the law, with far more stiffness than it has.
+  bool needs_whole_derivatives(const Values&) const override { return true; }
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     return {Eigen::Vector3d(0.0, 0.0, 1.5), Eigen::Vector3d(0.0, 0.0, 3.0), Eigen::Vector3d(0.0, 0.0, 6.0)};
   }
@@ -38,7 +42,7 @@ class Mullins : public Described {
       const Law law(values, memory.empty() ? 0.0 : memory[j]);
       const double u = law.curvature(wanted, middle.u.head<2>().norm());
       const double tangent = law.stiffer(u) + u * law.slope(u);
-      bend_to(u / wanted * linear, 1.0 + tangent, middle, piece);
+      bend_to(u / wanted * linear, slope_about(linear, 1.0 / (1.0 + tangent), u / wanted), middle, piece);
     }
   }
   /// How far it was bent before; no less than nothing.

@@ -32,6 +32,9 @@ class OneSidedSoftness : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
+  bool acts_last() const override { return true; }
+  /// On either side the piece is linear, with the stiffness that is felt there.
+  bool needs_whole_derivatives(const Values&) const override { return false; }
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {
     std::vector<Values> list;
     for (int i = 0; i < kDirections; ++i) list.push_back(Vector2d(0.0, 2.0 * M_PI * i / kDirections));

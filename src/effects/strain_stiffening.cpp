@@ -1,10 +1,13 @@
 // M = EI k (1 + beta k^2): the wall is stiffer where it is bent far.
 #include <cmath>
 
+#include "drives.h"
 #include "effects.h"
 
 namespace softarm::effects {
 namespace {
+
+using Eigen::Vector2d;
 
 /// x (1 + b x^2) = y, b >= 0.
 double bent(double y, double b) {
@@ -21,16 +24,22 @@ class StrainStiffening : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
+  bool acts_last() const override { return true; }
+  bool needs_whole_derivatives(const Values&) const override { return false; }
   void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
-    // Solved for the curvature at the moment of the shape: this depends on the shape much less than the
-    // curvature itself, which would ask for more rounds.
+    const double beta = std::fmax(0.0, values[0]);
+    if (beta == 0.0) return;
     for (std::size_t j = 0; j < rod.segments.size(); ++j) {
       rod::Segment& piece = rod.segments[j];
-      const rod::RodState& at = shape->middles[j];
-      const Eigen::Vector3d moment = at.q.conjugate() * at.m + piece.moment_nm;
-      const double linear = piece.bending_compliance * moment.head<2>().norm();
-      if (linear > 0.0) piece.bending_compliance *= bent(linear, std::fmax(0.0, values[0])) / linear;
+      const rod::RodState& middle = shape->middles[j];
+      const Vector2d rest = piece.rest_curvature_per_m.head<2>();
+      const Vector2d even = linear_curvature(piece, middle) - rest;
+      const double linear = even.norm();
+      if (!(linear > 0.0)) continue;
+      const double u = bent(linear, beta);
+      bend_to(rest + u / linear * even, slope_about(even, 1.0 / (1.0 + 3.0 * beta * u * u), u / linear),
+              middle, piece);
     }
   }
 };

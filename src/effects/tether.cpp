@@ -48,6 +48,7 @@ class Tether : public Described {
     rod.loads[rod::kTipMassLoad].mass_kg += values[1];
   }
   bool holds_places() const override { return true; }
+  bool needs_whole_derivatives(const Values&) const override { return false; }
   std::vector<double> held_places_m(const FineRod& fine, const Values&) const override {
     return {fine.length_m()};
   }

@@ -4,10 +4,38 @@
 #include <cmath>
 #include <utility>
 
+#include "math/so3.h"
+
 namespace softarm::model {
 namespace {
 
 constexpr double kNoCorrelation = 1e-9;  // one that is smaller is round-off of none
+
+/// A place on a piece: the cubic from the piece's begin (0) to its end (1), whose derivatives there have the
+/// length of an arc with that chord.
+struct OnPiece {
+  OnPiece(const FineRod& fine, const rod::Rod& rod, const Shape& shape, double s_m) {
+    const std::vector<Piece>& pieces = fine.pieces();
+    while (piece + 1 < pieces.size() && s_m > pieces[piece].s_to_m) ++piece;
+    const rod::RodState& end = shape.stations[piece];
+    const double h = pieces[piece].s_to_m - pieces[piece].s_from_m,
+                 x = std::clamp((s_m - pieces[piece].s_from_m) / h, 0.0, 1.0);
+    p0 = piece > 0 ? shape.stations[piece - 1].p : rod.p_base;
+    t0 = piece > 0 ? Eigen::Vector3d((shape.stations[piece - 1].q * shape.stations[piece - 1].v).normalized())
+                   : Eigen::Vector3d(rod.q_base * Eigen::Vector3d::UnitZ());
+    p1 = end.p;
+    t1 = (end.q * end.v).normalized();
+    arc = (p1 - p0).norm() * (1.0 + (t1 - t0).squaredNorm() / 24.0);
+    const double x2 = x * x, x3 = x2 * x;
+    of_p0 = 2.0 * x3 - 3.0 * x2 + 1.0;
+    of_d0 = x3 - 2.0 * x2 + x;
+    of_p1 = 3.0 * x2 - 2.0 * x3;
+    of_d1 = x3 - x2;
+  }
+  std::size_t piece = 0;
+  Eigen::Vector3d p0, t0, p1, t1;  ///< ends, and tangents there
+  double arc, of_p0, of_d0, of_p1, of_d1;
+};
 
 }  // namespace
 
@@ -20,23 +48,25 @@ std::vector<Values> Effect::grid(const arm::Arm&, const FineRod&) const {
 }
 
 Eigen::Vector3d position_at(const FineRod& fine, const rod::Rod& rod, const Shape& shape, double s_m) {
-  const std::vector<Piece>& pieces = fine.pieces();
-  std::size_t j = 0;
-  while (j + 1 < pieces.size() && s_m > pieces[j].s_to_m) ++j;
-  const rod::RodState& end = shape.stations[j];
-  const double h = pieces[j].s_to_m - pieces[j].s_from_m,
-               x = std::clamp((s_m - pieces[j].s_from_m) / h, 0.0, 1.0);
-  const Eigen::Vector3d p0 = j > 0 ? shape.stations[j - 1].p : rod.p_base;
-  const Eigen::Vector3d t0 =
-      j > 0 ? Eigen::Vector3d((shape.stations[j - 1].q * shape.stations[j - 1].v).normalized())
-            : Eigen::Vector3d(rod.q_base * Eigen::Vector3d::UnitZ());
-  const Eigen::Vector3d t1 = (end.q * end.v).normalized();
-  // Of an arc with that chord: the derivative by x.
-  const double arc = (end.p - p0).norm() * (1.0 + (t1 - t0).squaredNorm() / 24.0);
-  const Eigen::Vector3d d0 = arc * t0, d1 = arc * t1;
-  const double x2 = x * x, x3 = x2 * x;
-  return (2.0 * x3 - 3.0 * x2 + 1.0) * p0 + (x3 - 2.0 * x2 + x) * d0 + (3.0 * x2 - 2.0 * x3) * end.p +
-         (x3 - x2) * d1;
+  const OnPiece at(fine, rod, shape, s_m);
+  return at.of_p0 * at.p0 + at.of_d0 * (at.arc * at.t0) + at.of_p1 * at.p1 + at.of_d1 * (at.arc * at.t1);
+}
+
+Eigen::Matrix3Xd position_by_stations(const FineRod& fine, const rod::Rod& rod, const Shape& shape,
+                                      double s_m, const rod::Solver& solver, int first_end) {
+  const OnPiece at(fine, rod, shape, s_m);
+  const int end = first_end + static_cast<int>(at.piece);
+  const Eigen::Matrix3Xd p1 = solver.dp(end), t1 = -math::skew(at.t1) * solver.drotation(end);
+  Eigen::Matrix3Xd p0 = Eigen::Matrix3Xd::Zero(3, p1.cols()), t0 = p0;
+  if (at.piece > 0) {
+    p0 = solver.dp(end - 1);
+    t0 = -math::skew(at.t0) * solver.drotation(end - 1);
+  }
+  const Eigen::Vector3d chord = at.p1 - at.p0, turn = at.t1 - at.t0;
+  const Eigen::RowVectorXd arc = at.arc / chord.squaredNorm() * (chord.transpose() * (p1 - p0)) +
+                                 chord.norm() / 12.0 * (turn.transpose() * (t1 - t0));
+  return at.of_p0 * p0 + at.of_p1 * p1 + at.arc * (at.of_d0 * t0 + at.of_d1 * t1) +
+         (at.of_d0 * at.t0 + at.of_d1 * at.t1) * arc;
 }
 
 std::vector<Present> in_order(std::vector<Present> effects) {

@@ -97,6 +97,11 @@ struct Shape {
 
 /// Position at arclength s of a shape: cubic between stations. @param rod its base is looked at
 Eigen::Vector3d position_at(const FineRod& fine, const rod::Rod& rod, const Shape& shape, double s_m);
+/// Its derivative, 3 x P, by the parameters of a solver of that rod: by way of the stations alone, as if the
+/// base itself stayed.
+/// @param first_end the solver's station at the end of the first piece; those of the others follow
+Eigen::Matrix3Xd position_by_stations(const FineRod& fine, const rod::Rod& rod, const Shape& shape,
+                                      double s_m, const rod::Solver& solver, int first_end);
 
 /// One instant of a trial: means over a short time.
 struct Instant {
@@ -156,6 +161,9 @@ class Effect {
   virtual void act(const arm::Arm&, const FineRod&, const Values&, const Instant&, const Shape*,
                    const Memory&, rod::Rod&) const {}
   virtual bool needs_shape() const { return false; }
+  /// Whether act() goes by what the other effects make of each piece, its linear law and its moment: these
+  /// act after the others, whatever order a model has them in.
+  virtual bool acts_last() const { return false; }
   /// Whether it holds places of the arm, each with a force that depends on where that place is, and on
   /// nothing else of the shape: a wall, a hose. It needs the shape, and act() leaves these forces out.
   virtual bool holds_places() const { return false; }
@@ -168,6 +176,11 @@ class Effect {
                                           const Eigen::Vector3d& /*place_m*/, const Memory&) const {
     return Eigen::Vector3d::Zero();
   }
+  /// Whether fits have to take differences of whole predictions. The first order is what changes of the rod
+  /// while shapes stay, times derivatives by the rod: those have the answer of forces that hold places, and
+  /// of laws whose slope act() hands to the pieces. It leaves out what else act() or holding_force_n() make
+  /// of a change of the shape, or of shapes that are remembered.
+  virtual bool needs_whole_derivatives(const Values&) const { return needs_shape(); }
   /// Of one that needs the shape: whether what it makes of a small change of it hardly differs from one
   /// instant to the next. A stop that is suddenly reached does not.
   virtual bool answers_evenly() const { return false; }

@@ -7,6 +7,7 @@
 
 #include "arm/wall_memory.h"
 #include "arm_rod.h"
+#include "held_places.h"
 #include "instant_solver.h"
 #include "memories.h"
 #include "softarm/arm/laws.h"
@@ -166,37 +167,87 @@ struct ExtendedModel::Impl : InstantSolver {
     if (resting != nullptr) now.inertial_m = moved_m(now, *resting);
   }
 
+  /// By the wanted parameters, in place among all.
+  Eigen::MatrixXf among_all(const Eigen::MatrixXd& by_wanted) const {
+    Eigen::MatrixXf all =
+        Eigen::MatrixXf::Zero(by_wanted.rows(), static_cast<Eigen::Index>(fine.parameters().size()));
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      all.col(columns[c]) = by_wanted.col(static_cast<Eigen::Index>(c)).cast<float>();
+    return all;
+  }
+
+  /// What held places add to derivatives of the rod that `derivatives` solved last: their forces answer. With
+  /// D of anything by the rod, D_f by their forces, C and D_x of the places by these and by the rod, K of the
+  /// forces by the places, it is D_f K (1 - C K)^-1 D_x.
+  struct Held {
+    Eigen::MatrixXd forces;  ///< wanted parameters x 3 per place: D_f = D forces
+    Eigen::MatrixXd answer;  ///< K (1 - C K)^-1
+    Eigen::MatrixXd places;  ///< D_x
+
+    Eigen::MatrixXd added_to(const Eigen::MatrixXd& by_wanted) const {
+      if (answer.size() == 0) return by_wanted;
+      return by_wanted + by_wanted * forces * (answer * places);
+    }
+  };
+  Held held_by(const HeldPlaces& places, const Shape& shape) const {
+    Held held;
+    if (places.empty()) return held;
+    const Eigen::MatrixXd shares = places.shares();
+    held.forces.setZero(static_cast<Eigen::Index>(columns.size()), places.size());
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const rod::Parameter& parameter = fine.parameters()[static_cast<std::size_t>(columns[c])];
+      if (parameter.kind != rod::ParameterKind::kLoadForce) continue;
+      for (Eigen::Index i = 0; i < shares.cols(); ++i)
+        held.forces(static_cast<Eigen::Index>(c), 3 * i + parameter.component) =
+            shares(parameter.index - FineRod::kFirstStation, i);
+    }
+    held.places = places.positions_by(rod, shape, *derivatives, static_cast<int>(bodies.size()));
+    held.answer = places.answer_n_per_m(places.positions_m(rod, shape), held.places * held.forces);
+    return held;
+  }
+
   /// Of modes, by the parameters that are wanted, of the rod that `derivatives` solved last.
-  Eigen::MatrixXf coordinates(const Modes* modes, Eigen::Index parameters) const {
+  Eigen::MatrixXf coordinates(const Modes* modes, const Held& held) const {
     if (modes == nullptr) return {};
     Eigen::MatrixXd by =
         Eigen::MatrixXd::Zero(modes->stiffness.size(), static_cast<Eigen::Index>(columns.size()));
     for (int j = 0; j < fine.stations(); ++j)
       by.noalias() += modes->project.middleCols<3>(3 * j).lazyProduct(
           derivatives->dp(static_cast<int>(bodies.size()) + j));
-    Eigen::MatrixXf all = Eigen::MatrixXf::Zero(by.rows(), parameters);
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      all.col(columns[c]) = by.col(static_cast<Eigen::Index>(c)).cast<float>();
-    return all;
+    return among_all(held.added_to(by));
+  }
+
+  /// By how far places move in modes.
+  static Eigen::MatrixXd places_by(const Modes& modes, const HeldPlaces& places) {
+    const Eigen::MatrixXd shares = places.shares();
+    Eigen::MatrixXd by = Eigen::MatrixXd::Zero(places.size(), modes.shape.cols());
+    for (Eigen::Index i = 0; i < shares.cols(); ++i)
+      for (Eigen::Index j = 0; j < shares.rows(); ++j)
+        if (shares(j, i) > 0.0) by.middleRows<3>(3 * i) += shares(j, i) * modes.shape.middleRows<3>(3 * j);
+    return by;
   }
 
   /// Of the rod that was made last, by the parameters that are wanted.
-  bool differentiate(const Block& block, const Modes* now, const Modes* next, Predicted& out) {
+  bool differentiate(const Block& block, const HeldPlaces& places, const Shape& shape, const Modes* now,
+                     const Modes* next, Predicted& out) {
     if (derivatives->solve(rod, out.q_tip) != rod::SolveStatus::kConverged) return false;
-    ByRod by;
-    by.seen.setZero(3 * static_cast<Eigen::Index>(block.bodies.size() + block.tangents.size()),
-                    static_cast<Eigen::Index>(fine.parameters().size()));
+    Eigen::MatrixXd seen(3 * static_cast<Eigen::Index>(block.bodies.size() + block.tangents.size()),
+                         static_cast<Eigen::Index>(columns.size()));
     Eigen::Index row = 0;
     const auto put = [&](const Eigen::Matrix3Xd& rows) {
-      for (std::size_t j = 0; j < columns.size(); ++j)
-        by.seen.block<3, 1>(row, columns[j]) = rows.col(static_cast<Eigen::Index>(j)).cast<float>();
+      seen.middleRows<3>(row) = rows;
       row += 3;
     };
-    for (const Seen& seen : block.bodies)
-      put(position_by_rod(bodies[static_cast<std::size_t>(seen.body)], seen.body, *derivatives));
-    for (const SeenTangent& seen : block.tangents) put(tangent_by_rod(seen.body, *derivatives));
-    by.modes_now = coordinates(now, by.seen.cols());
-    by.modes_next = next == now ? by.modes_now : coordinates(next, by.seen.cols());
+    for (const Seen& body : block.bodies)
+      put(position_by_rod(bodies[static_cast<std::size_t>(body.body)], body.body, *derivatives));
+    for (const SeenTangent& body : block.tangents) put(tangent_by_rod(body.body, *derivatives));
+    const Held held = held_by(places, shape);
+    ByRod by;
+    by.seen = among_all(held.added_to(seen));
+    by.modes_now = coordinates(now, held);
+    by.modes_next = next == now ? by.modes_now : coordinates(next, held);
+    if (now != nullptr && !places.empty())
+      by.held_back = (seen * held.forces * (held.answer * places_by(*now, places))).cast<float>();
     out.by_rod = std::make_shared<const ByRod>(std::move(by));
     return true;
   }
@@ -207,7 +258,15 @@ struct ExtendedModel::Impl : InstantSolver {
     return places;
   }
 
-  void want(const arm::Arm& arm, const std::vector<bool>& which) {
+  /// Beside these parameters the forces on stations that places share theirs with.
+  void want(const arm::Arm& arm, const HeldPlaces& places, std::vector<bool> which) {
+    const Eigen::MatrixXd shares = places.shares();
+    for (std::size_t j = 0; j < which.size() && !places.empty(); ++j) {
+      const rod::Parameter& parameter = fine.parameters()[j];
+      if (parameter.kind == rod::ParameterKind::kLoadForce &&
+          (shares.row(parameter.index - FineRod::kFirstStation).array() > 0.0).any())
+        which[j] = true;
+    }
     if (which == wanted) return;
     wanted = which;
     columns.clear();
@@ -221,9 +280,18 @@ struct ExtendedModel::Impl : InstantSolver {
                         solver_options(1e-10, kIntegrated));
   }
 
+  /// The rod of a block, as it was made last.
+  struct Made {
+    std::size_t block;
+    bool made;  ///< its inputs are within the laws
+    const Instant& instant;
+    const Shape& shape;  ///< with its motion
+    const std::vector<Memory>& memories;
+  };
+
   /// Makes the rod of each block that has a prediction, with the shapes and motions of those.
   /// @param driven_alike whether their instants are the same, too
-  /// @param use called with the block, its instant, and whether there is such a rod
+  /// @param use called with each of them, Made
   template <typename Use>
   void walk(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
             const TrialData& trial, const std::vector<Predicted>& baseline, bool driven_alike,
@@ -251,7 +319,8 @@ struct ExtendedModel::Impl : InstantSolver {
         moved->motion = motion[k];
       }
       const Shape& shape = moved ? *moved : base.shape;
-      use(k, instant, make(arm, effects, memories.all(), dynamics, instant, &shape, shape.motion, rod));
+      const bool made = make(arm, effects, memories.all(), dynamics, instant, &shape, shape.motion, rod);
+      use(Made{k, made, instant, shape, memories.all()});
       memories.remember(arm, fine, instant, shape);
     }
   }
@@ -431,17 +500,18 @@ ExtendedModel::Varied ExtendedModel::vary(const arm::Arm& arm, const std::vector
   varied.swings = Impl::swings_otherwise(dynamics, effects, baseline);
   const bool observed = std::any_of(effects.begin(), effects.end(),
                                     [](const Present& present) { return present.effect->observes(); });
-  const auto use = [&](std::size_t k, const Instant& instant, bool made) {
+  const auto use = [&](const Impl::Made& now) {
+    const std::size_t k = now.block;
     const Block& block = trial.blocks[k];
     const Predicted& base = baseline[k];
     // What drives the arm beyond what the laws bear changes nothing.
     auto values = varied.values.col(static_cast<Eigen::Index>(k));
-    if (made)
+    if (now.made)
       m.fine.values(m.rod, values);
     else
       values = base.values;
     if (!observed) return;
-    const Eigen::Matrix3Xd seen = m.seen(arm, effects, instant, block, base);
+    const Eigen::Matrix3Xd seen = m.seen(arm, effects, now.instant, block, base);
     for (std::size_t i = 0; i < block.bodies.size(); ++i)
       varied.seen.col(begins[k] + static_cast<Eigen::Index>(i)) =
           seen.col(block.bodies[i].body) - base.p.col(static_cast<Eigen::Index>(i));
@@ -457,8 +527,9 @@ TrialModes ExtendedModel::modes(const arm::Arm& arm, const std::vector<Present>&
   TrialModes list(trial.blocks.size());
   std::shared_ptr<const Modes> last;
   const Predicted* of_last = nullptr;
-  m.walk(arm, effects, dynamics, trial, predicted, true, [&](std::size_t k, const Instant&, bool made) {
-    if (!made) return;
+  m.walk(arm, effects, dynamics, trial, predicted, true, [&](const Impl::Made& now) {
+    if (!now.made) return;
+    const std::size_t k = now.block;
     if (of_last == nullptr || !m.alike(*of_last, predicted[k])) {
       const std::optional<Flexibility> flexibility = m.flexibility(arm, predicted[k]);
       if (!flexibility) return;
@@ -476,13 +547,17 @@ void ExtendedModel::differentiate(const arm::Arm& arm, const std::vector<Present
                                   const Dynamics& dynamics, const TrialData& trial,
                                   const std::vector<bool>& wanted, std::vector<Predicted>& predicted) {
   Impl& m = *impl_;
-  m.want(arm, wanted);
-  m.walk(arm, effects, dynamics, trial, predicted, true, [&](std::size_t k, const Instant&, bool made) {
+  const std::vector<Memory> nothing(effects.size());
+  m.want(arm, HeldPlaces(m.fine, effects, nothing), wanted);
+  m.walk(arm, effects, dynamics, trial, predicted, true, [&](const Impl::Made& now) {
     const auto modes = [&](std::size_t block) {
       return dynamics.modes != nullptr && block < dynamics.modes->size() ? (*dynamics.modes)[block].get()
                                                                          : nullptr;
     };
-    predicted[k].solved = made && m.differentiate(trial.blocks[k], modes(k), modes(k + 1), predicted[k]);
+    const std::size_t k = now.block;
+    const HeldPlaces places(m.fine, effects, now.memories);
+    predicted[k].solved =
+        now.made && m.differentiate(trial.blocks[k], places, now.shape, modes(k), modes(k + 1), predicted[k]);
   });
 }
 

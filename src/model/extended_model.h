@@ -21,12 +21,15 @@ struct Dynamics {
   const TrialModes* modes = nullptr;
 };
 
-/// Derivatives of one block by the rod, FineRod::parameters(). Most of a diagnosis's memory: seven digits
-/// will do.
+/// Derivatives of one block by the rod, FineRod::parameters(), with forces that hold places as they answer to
+/// where those are then. Most of a diagnosis's memory: seven digits will do.
 struct ByRod {
   Eigen::MatrixXf seen;  ///< of Predicted::p and, below, of the tangents, stacked
   /// Of the equilibrium in the modes of this block and of the next one; r x parameters.
   Eigen::MatrixXf modes_now, modes_next;
+  /// What held places add to what is seen of a displacement in the modes of this block, by that; rows as of
+  /// `seen`, r columns. Empty: no modes, or no such places.
+  Eigen::MatrixXf held_back;
 };
 
 /// Prediction of one block.
@@ -67,7 +70,7 @@ class ExtendedModel {
   /// Rod values and places of bodies as other constants and effects would make them while shapes, and what
   /// follows from those, stay as they are in `baseline`. With `reference` what vary() gives for the
   /// parameters of the baseline, by_rod times the difference of `values`, plus that of `seen`, is what the
-  /// change does to the bodies, to first order.
+  /// change does to the bodies, to first order, but for what Effect::needs_whole_derivatives() says.
   /// @param driven_alike whether the inputs and the payload are those of the baseline, and so are the walls
   struct Varied {
     Eigen::MatrixXd values;  ///< one column per block; FineRod::values
@@ -85,7 +88,8 @@ class ExtendedModel {
                    const TrialData& trial, const std::vector<Predicted>& predicted);
 
   /// Fills Predicted::by_rod of what predict() gave for the same arguments.
-  /// @param wanted by which of FineRod::parameters(); the other columns are 0
+  /// @param wanted by which of FineRod::parameters(); the other columns are 0, but for forces on stations
+  /// next to held places
   void differentiate(const arm::Arm& arm, const std::vector<Present>& effects, const Dynamics& dynamics,
                      const TrialData& trial, const std::vector<bool>& wanted,
                      std::vector<Predicted>& predicted);

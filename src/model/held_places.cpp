@@ -47,6 +47,46 @@ Eigen::VectorXd HeldPlaces::forces_n(const Eigen::VectorXd& positions_m) const {
   return forces;
 }
 
+Eigen::MatrixXd HeldPlaces::stiffness_n_per_m(const Eigen::VectorXd& positions_m) const {
+  // No force depends on where another place is: all are moved at once.
+  const Eigen::VectorXd here = forces_n(positions_m);
+  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(size(), size());
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    Eigen::VectorXd beside = positions_m;
+    for (Eigen::Index i = 0; i < size(); i += 3) beside[i + axis] += kLawProbe_m;
+    const Eigen::VectorXd change = forces_n(beside) - here;
+    for (Eigen::Index i = 0; i < size(); i += 3)
+      slope.block<3, 1>(i, i + axis) = change.segment<3>(i) / kLawProbe_m;
+  }
+  return slope;
+}
+
+Eigen::MatrixXd HeldPlaces::answer_n_per_m(const Eigen::VectorXd& positions_m,
+                                           const Eigen::MatrixXd& compliance_m_per_n) const {
+  // Places that would move by d move by x = d + compliance stiffness x. At worst the condition of the matrix
+  // is the stiffness of a wall over that of the arm.
+  const Eigen::MatrixXd stiffness = stiffness_n_per_m(positions_m),
+                        one = Eigen::MatrixXd::Identity(size(), size());
+  return stiffness * math::least_squares_columns(one - compliance_m_per_n * stiffness, one);
+}
+
+Eigen::MatrixXd HeldPlaces::positions_by(const rod::Rod& rod, const Shape& shape, const rod::Solver& solver,
+                                         int first_end) const {
+  Eigen::MatrixXd by(size(), solver.dp(first_end).cols());
+  for (std::size_t i = 0; i < holding_.size(); ++i)
+    by.middleRows<3>(3 * static_cast<Eigen::Index>(i)) =
+        position_by_stations(fine_, rod, shape, holding_[i].place_m, solver, first_end);
+  return by;
+}
+
+Eigen::MatrixXd HeldPlaces::shares() const {
+  Eigen::MatrixXd list(fine_.stations(), static_cast<Eigen::Index>(holding_.size()));
+  for (std::size_t i = 0; i < holding_.size(); ++i)
+    for (int j = 0; j < fine_.stations(); ++j)
+      list(j, static_cast<Eigen::Index>(i)) = fine_.share(holding_[i].place_m, j);
+  return list;
+}
+
 Eigen::VectorXd HeldPlaces::step_n(const Eigen::VectorXd& positions_m, const Eigen::VectorXd& forces_n,
                                    const Eigen::MatrixXd& compliance_m_per_n) const {
   // x = positions + compliance (law(x) - forces), by Newton's method with a search along its direction.
@@ -55,12 +95,8 @@ Eigen::VectorXd HeldPlaces::step_n(const Eigen::VectorXd& positions_m, const Eig
   };
   Eigen::VectorXd x = positions_m, error = off(x);
   for (int step = 0; step < kNewtonSteps && error.lpNorm<Eigen::Infinity>() > kPlaceFound_m; ++step) {
-    Eigen::MatrixXd slope(size(), size());
-    for (Eigen::Index k = 0; k < size(); ++k) {
-      Eigen::VectorXd beside = x;
-      beside[k] += kLawProbe_m;
-      slope.col(k) = (off(beside) - error) / kLawProbe_m;
-    }
+    const Eigen::MatrixXd slope =
+        Eigen::MatrixXd::Identity(size(), size()) - compliance_m_per_n * stiffness_n_per_m(x);
     const Eigen::VectorXd direction = math::least_squares(slope, -error);
     if (!direction.allFinite()) break;
     double share = 1.0;

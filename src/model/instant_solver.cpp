@@ -94,8 +94,10 @@ bool InstantSolver::make(const arm::Arm& arm, const std::vector<Present>& effect
     }
     fine.actuate(arm, *predictions, *moments, out);
   }
-  for (std::size_t i = 0; i < effects.size(); ++i)
-    effects[i].effect->act(arm, fine, effects[i].values, instant, shape, memories[i], out);
+  for (const bool last : {false, true})
+    for (std::size_t i = 0; i < effects.size(); ++i)
+      if (effects[i].effect->acts_last() == last)
+        effects[i].effect->act(arm, fine, effects[i].values, instant, shape, memories[i], out);
   if (const HeldPlaces places(fine, effects, memories); shape != nullptr && !places.empty())
     places.add(held != nullptr ? *held : places.forces_n(places.positions_m(out, *shape)), out);
   if (dynamics.inertia && !motion.acceleration_m_s2.empty()) {
