@@ -142,6 +142,31 @@ void sum_by(const Eigen::MatrixXf& derivative, const VectorXd& change, const std
   for (const Eigen::Index j : which) sum += static_cast<float>(change[j]) * derivative.col(j);
 }
 
+/// Adds what is seen of a block, its bodies and below its tangents, to that of all bodies.
+void add_seen(const Block& block, const Eigen::VectorXf& seen, Eigen::Ref<VectorXd> all) {
+  const Eigen::Index bodies = all.size() / 6;
+  Eigen::Index row = 0;
+  for (const Seen& one : block.bodies)
+    all.segment<3>(3 * one.body) += seen.segment<3>(3 * row++).cast<double>();
+  for (const model::SeenTangent& one : block.tangents)
+    all.segment<3>(3 * (bodies + one.body)) += seen.segment<3>(3 * row++).cast<double>();
+}
+
+/// What a change of the equilibria does beside moving the arm with them: it swings, and where it is held
+/// there it swings less.
+void add_swing(const TrialData& trial, const std::vector<Predicted>& predicted,
+               const model::TrialModes& modes, const Eigen::MatrixXd& beyond, Eigen::MatrixXd& bodies) {
+  for (Eigen::Index k = 0; k < beyond.cols(); ++k) {
+    const auto block = static_cast<std::size_t>(k);
+    if (modes[block] == nullptr) continue;
+    bodies.col(k) += modes[block]->bodies * beyond.col(k);
+    if (predicted[block].by_rod == nullptr) continue;
+    const Eigen::MatrixXf& held_back = predicted[block].by_rod->held_back;
+    if (held_back.cols() == beyond.rows())
+      add_seen(trial.blocks[block], held_back * beyond.col(k).cast<float>(), bodies.col(k));
+  }
+}
+
 }  // namespace
 
 /// Of all bodies' places and, below, tangents, by each of several changes of the rod that swings as it does;
@@ -171,11 +196,7 @@ std::vector<Eigen::MatrixXd> JointModel::moved(
       if (which.empty()) continue;
       Move& of = moves[c];
       sum_by(by_rod.seen, change, which, move);
-      Eigen::Index row = 0;
-      for (const Seen& seen : block.bodies)
-        of.bodies.col(k).segment<3>(3 * seen.body) = move.segment<3>(3 * row++).cast<double>();
-      for (const model::SeenTangent& seen : block.tangents)
-        of.bodies.col(k).segment<3>(3 * (bodies + seen.body)) = move.segment<3>(3 * row++).cast<double>();
+      add_seen(block, move, of.bodies.col(k));
       if (varied[c].swings || by_rod.modes_now.size() == 0) continue;
       if (of.in_modes.size() == 0) {
         of.in_modes.setZero(by_rod.modes_now.rows(), blocks);
@@ -191,12 +212,8 @@ std::vector<Eigen::MatrixXd> JointModel::moved(
   std::vector<Eigen::MatrixXd> all;
   for (Move& of : moves) {
     if (of.in_modes.size() > 0) {
-      const model::TrialModes& modes = modes_[trial];
       const Eigen::MatrixXd beyond = at.swing[trial]->beyond(of.in_modes, of.in_next);
-      for (Eigen::Index k = 0; k < blocks; ++k) {
-        if (modes[static_cast<std::size_t>(k)] != nullptr)
-          of.bodies.col(k) += modes[static_cast<std::size_t>(k)]->bodies * beyond.col(k);
-      }
+      add_swing(data, predicted, modes_[trial], beyond, of.bodies);
     }
     all.push_back(std::move(of.bodies));
   }

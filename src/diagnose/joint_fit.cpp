@@ -269,8 +269,8 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
     predict(parameters, start, predicted);
   }
   threshold_ = threshold_at(predicted);
-  const bool feedback = has_configuration_dependent_load(parameters);
-  const Derivatives how = feedback ? options.derivatives : Derivatives::kShapesHeld;
+  const Derivatives how =
+      needs_whole_derivatives(parameters) ? options.derivatives : Derivatives::kShapesHeld;
   const bool begun = options.begins != nullptr && options.begins->own_derivatives;
   Linearised begin = begun ? *options.begins : linearise_at(parameters, std::move(predicted), how, near);
   if (begun) weigh(begin);
@@ -296,18 +296,18 @@ Linearised JointModel::fit(JointParameters parameters, const FitOptions& options
   const bool converged = step_left(evaluation.at()) < kPolicy.fit.converged_sd;
   const bool own = evaluation.has_own_derivatives();
   Linearised at = std::move(evaluation.at());
-  at.own_derivatives = own && (!feedback || how == Derivatives::kWhole);
+  const bool whole = needs_whole_derivatives(at.at);
+  at.own_derivatives = own && (!whole || how == Derivatives::kWhole);
   at.converged = converged;
   at.given_up = given_up && !converged;
   at.damped = radius < kNoRadius;
-  if (feedback && options.whole && how != Derivatives::kWhole) take_own_derivatives(at);
+  if (whole && options.whole && how != Derivatives::kWhole) take_own_derivatives(at);
   return at;
 }
 
 void JointModel::take_own_derivatives(Linearised& at, bool by_all) {
   threshold_ = threshold_at(at.predicted);
-  const Derivatives how =
-      has_configuration_dependent_load(at.at) ? Derivatives::kWhole : Derivatives::kShapesHeld;
+  const Derivatives how = needs_whole_derivatives(at.at) ? Derivatives::kWhole : Derivatives::kShapesHeld;
   Linearised own = linearise_at(at.at, std::move(at.predicted), how, nullptr, by_all);
   own.own_derivatives = true;
   own.converged = at.converged;
@@ -337,10 +337,10 @@ Linearised JointModel::fit_without(JointParameters parameters, const std::vector
   return at;
 }
 
-bool JointModel::has_configuration_dependent_load(const JointParameters& parameters) const {
+bool JointModel::needs_whole_derivatives(const JointParameters& parameters) const {
   const std::vector<Present> present = all(parameters.effects);
   return std::any_of(present.begin(), present.end(),
-                     [](const Present& one) { return one.effect->needs_shape(); });
+                     [](const Present& one) { return one.effect->needs_whole_derivatives(one.values); });
 }
 
 }  // namespace softarm::diagnose

@@ -70,7 +70,7 @@ struct Linearised {
   bool given_up = false;  ///< of a fit that did not converge: it came nowhere near another (most_square)
   /// Of a fit: that steps of Gauss and Newton overshot, and it ended with damped ones.
   bool damped = false;
-  /// Of a fit: its derivatives are the arm's own there, whole ones where loads depend on the shape.
+  /// Of a fit: its derivatives are the arm's own there, whole ones where those are needed.
   bool own_derivatives = false;
 
   Eigen::VectorXd unknowns() const;  ///< values over scales
@@ -121,7 +121,7 @@ class JointModel {
   void each_trial(const std::function<void(std::size_t)>& work) const { each_trial(jobs_, work); }
   void each_trial(unsigned jobs, const std::function<void(std::size_t)>& work) const;
   enum class Derivatives {
-    kShapesHeld,  ///< to first order with shapes held in what depends on them
+    kShapesHeld,  ///< to first order: changes of the rod while shapes are held, times derivatives by the rod
     kWhole,       ///< differences of whole predictions
   };
   /// @param start shapes to begin from
@@ -132,9 +132,10 @@ class JointModel {
                        const std::vector<std::vector<model::Predicted>>* start,
                        Derivatives how = Derivatives::kShapesHeld, bool known = false,
                        const Linearised* near = nullptr);
-  /// What depends on the shape that it causes, a spring or a wall, answers to every change: there the first
-  /// order with shapes held is wrong by up to several times. It finds the way; intervals want the truth.
-  bool has_configuration_dependent_load(const JointParameters& parameters) const;
+  /// Whether an effect answers to the shape that it causes, or to those before, in a way that the first order
+  /// leaves out (model::Effect::needs_whole_derivatives): it may be wrong by several times. It finds the way;
+  /// intervals want the truth.
+  bool needs_whole_derivatives(const JointParameters& parameters) const;
   /// Derivatives by everything that an effect may change, for signatures() of new effects.
   void complete(Linearised& at);
   /// Derivatives of whitened positions by changes of the model at `at`: one matrix per trial, the columns of
@@ -146,7 +147,7 @@ class JointModel {
                               const std::vector<JointParameters>& changed, const std::vector<double>& steps);
 
   struct FitOptions {
-    /// Of a configuration-dependent load: at the end, by differences of whole predictions.
+    /// Where needs_whole_derivatives(): at the end, by differences of whole predictions.
     bool whole = true;
     Derivatives derivatives = Derivatives::kShapesHeld;  ///< by which the way there is found
     int iterations = 6;      ///< at most, each one prediction of all trials or few
@@ -171,7 +172,7 @@ class JointModel {
   Linearised fit(JointParameters parameters, const FitOptions& options,
                  const std::vector<std::vector<model::Predicted>>* start = nullptr);
 
-  /// Makes a fit's derivatives the arm's own there, whole ones where loads depend on the shape.
+  /// Makes a fit's derivatives the arm's own there, whole ones where those are needed.
   /// @param by_all complete ones: where signatures() are wanted of it, they cost less so than afterwards
   void take_own_derivatives(Linearised& at, bool by_all = false);
 

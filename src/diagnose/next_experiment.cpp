@@ -113,16 +113,16 @@ double least(MatrixXd separations, Eigen::Index& truth, Eigen::Index& fitted) {
   return separations.minCoeff(&truth, &fitted);
 }
 
-/// Of all experiments; where a load depends on the shape, without approximation of the best of them, until
-/// the first is no approximation.
+/// Of all experiments; where derivatives have to be whole ones, those of the best of them, until the first
+/// has them.
 Separations separations_of(const JointModel& model, const JointParameters& baseline,
                            const std::vector<Explanation>& list, const std::vector<Experiment>& menu,
                            double inflation, const Options& options) {
   Separations all = weigh_apart(model, baseline, list, menu, false, inflation, options);
-  const bool feedback = std::any_of(list.begin(), list.end(), [&](const Explanation& one) {
-    return model.has_configuration_dependent_load(one.fit.at);
+  const bool is_whole_needed = std::any_of(list.begin(), list.end(), [&](const Explanation& one) {
+    return model.needs_whole_derivatives(one.fit.at);
   });
-  if (!feedback) return all;
+  if (!is_whole_needed) return all;
   std::vector<bool> is_whole(menu.size(), false);
   for (;;) {
     std::vector<std::pair<double, std::size_t>> order;

@@ -62,7 +62,7 @@ void refit_what_is_alike(JointModel& model, const Standing& current, const std::
                          std::vector<Refitted>& refitted);
 
 /// What comes next rests on a fit that came near by the derivatives of another: the last steps, by its own,
-/// whole ones where loads depend on the shape. Else evidence would take for a gain of constants what the fit
+/// whole ones where those are needed. Else evidence would take for a gain of constants what the fit
 /// left over.
 Standing standing_on(JointModel& model, const Linearised& fit);
 

@@ -45,7 +45,7 @@ class Hypothetical {
   /// Nothing was seen, so residuals mean nothing; predictions and derivatives do.
   Linearised linearise(const JointParameters& parameters, bool whole) {
     return model_.linearise(with_loads(parameters), &predicted_,
-                            whole && model_.has_configuration_dependent_load(parameters)
+                            whole && model_.needs_whole_derivatives(parameters)
                                 ? JointModel::Derivatives::kWhole
                                 : JointModel::Derivatives::kShapesHeld);
   }

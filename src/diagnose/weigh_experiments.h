@@ -21,8 +21,8 @@ struct Separations {
 
 /// @param model of the trials that there are
 /// @param baseline the fit without effects: what it takes for swinging will not be compared
-/// @param whole derivatives as they are where a load depends on the shape, not to first order with shapes
-/// held: these tell which experiments are worth a look, for a tenth of the time
+/// @param whole derivatives where those are needed (JointModel::needs_whole_derivatives), not to first order:
+/// these tell which experiments are worth a look, for a tenth of the time
 /// @param inflation of chi^2: how much residuals of neighbouring instants are worth less than independent
 /// ones
 /// @param options of the model: threads, constants held and tied
