@@ -10,6 +10,8 @@
 namespace softarm::diagnose {
 
 /// By which an effect of the model moves what is seen, to first order: by trial, m, in the order of the rows.
+/// Of a force that holds a place it is in proportion alone, block by block: as if the place were held as well
+/// without it.
 std::vector<Eigen::VectorXd> contribution(JointModel& model, const Linearised& at, std::size_t effect);
 
 /// Its axis, its place, what it goes with and when.
