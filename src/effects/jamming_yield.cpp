@@ -41,10 +41,11 @@ struct Elements {
   std::array<double, kElements> yields;
 
   /// What the linear law gives for the moment at which the curvature is u, 1/m: u less what its elements do
-  /// not bear, each one a part `lost` of EI. @param slope of it by u
-  Vector2d linear(const Vector2d& u, double lost, Eigen::Matrix2d& slope) const {
+  /// not bear, each one a part `lost` of EI. @param slope of it by u, and the least of EI that is felt
+  Vector2d linear(const Vector2d& u, double lost, Eigen::Matrix2d& slope, double& stiffness) const {
     Vector2d sum = u;
     slope.setIdentity();
+    stiffness = 1.0;
     for (std::size_t i = 0; i < kElements; ++i) {
       const Vector2d beyond = u - slipped[i], elastic = elastic_of(beyond, yields[i]);
       sum -= lost * (u - elastic);
@@ -54,21 +55,22 @@ struct Elements {
         slope += lost * Eigen::Matrix2d::Identity();
         continue;
       }
+      stiffness -= lost;
       slope += lost * yields[i] / size *
                (Eigen::Matrix2d::Identity() - beyond * beyond.transpose() / (size * size));
     }
     return sum;
   }
   /// The curvature at which linear() is l: the root of a gradient of a convex function, by Newton's steps.
-  /// @param slope of linear() there
-  Vector2d curvature(const Vector2d& l, double lost, Vector2d u, Eigen::Matrix2d& slope) const {
-    Vector2d off = linear(u, lost, slope) - l;
+  Vector2d curvature(const Vector2d& l, double lost, Vector2d u, double& stiffness) const {
+    Eigen::Matrix2d slope;
+    Vector2d off = linear(u, lost, slope, stiffness) - l;
     for (int step = 0; step < kSteps && off.norm() > kExact_per_m; ++step) {
       const Vector2d towards = -slope.inverse() * off;
       double part = 1.0;
       Vector2d next = off;
       do {  // elements begin and cease to slip on the way
-        next = linear(u + part * towards, lost, slope) - l;
+        next = linear(u + part * towards, lost, slope, stiffness) - l;
         part *= 0.5;
       } while (next.norm() >= off.norm() && part > 1e-3);
       u += 2.0 * part * towards;
@@ -107,10 +109,11 @@ class JammingYield : public Described {
       rod::Segment& piece = rod.segments[j];
       const rod::RodState& middle = shape->middles[j];
       const double lost = std::min(values[0] * now * piece.bending_compliance, kMostLost) / kElements;
-      Eigen::Matrix2d slope;
+      double stiffness = 1.0;
       const Vector2d u = elements(memory, j, now, values)
-                             .curvature(linear_curvature(piece, middle), lost, middle.u.head<2>(), slope);
-      bend_to(u, slope.inverse(), middle, piece);
+                             .curvature(linear_curvature(piece, middle), lost, middle.u.head<2>(), stiffness);
+      // As soft across as along: with the law's own slope not every piece settles where elements slip.
+      bend_to(u, Eigen::Matrix2d::Identity() / stiffness, middle, piece);
     }
   }
   std::vector<StartNumber> starts(const arm::Arm& arm, const Values&) const override {

@@ -55,6 +55,7 @@ struct WithOne {
     model::Values values = one.grid(drawn.arm, looked.model.rod()).front();
     for (int k = 0; k < one.info().sizes; ++k)
       values[k] = one.info().parameters[static_cast<std::size_t>(k)].usual;
+    if (id == "tether") values.tail<3>() << 0.06, 0.03, 0.02;  // taut: where it grows taut there is a kink
     with.effects.push_back({&one, values});
   }
   /// Derivatives by unknowns of these kinds are those of whole predictions.
@@ -128,7 +129,7 @@ const char* const kWhole[] = {"mullins",        "jamming_yield",      "curvature
 class FirstOrderDerivatives : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(FirstOrderDerivatives, AreThoseOfWholePredictions) {
-  constexpr double kLeftOut = 0.04;
+  constexpr double kLeftOut = 0.08;
   WithOne one(GetParam());
   ASSERT_TRUE(one.looked.model.swings());
   EXPECT_FALSE(one.looked.model.needs_whole_derivatives(one.with));

