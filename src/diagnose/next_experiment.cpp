@@ -43,8 +43,8 @@ std::vector<Explanation> rivals_of(JointModel& model, const Selection& selection
       const auto screened = std::find_if(with.screened.begin(), with.screened.end(),
                                          [&](const Screened& s) { return s.effect == rival; });
       if (refitted != with.refitted.end()) {
-        if (extended.at.effects.size() == refitted->fit.at.effects.size() &&
-            e + 1 == extended.at.effects.size()) {
+        const std::vector<Present> others(extended.at.effects.begin(), extended.at.effects.end() - 1);
+        if (e == others.size() && is_upon(*refitted, others)) {
           // Only where it is was kept of a refit.
           list.push_back({rival->info().id, fitted_to(model, extended, refitted->fit.at, 0)});
           continue;
@@ -67,8 +67,7 @@ std::vector<Explanation> candidates_of(JointModel& model, const Selection& selec
   std::vector<Explanation> list;
   for (const Refitted& r : selection.rounds.back().refitted) {
     if (list.size() == kPolicy.experiment.most_rivals) break;
-    if (r.z >= kPolicy.experiment.candidate_z &&
-        r.fit.at.effects.size() == selection.extended.at.effects.size() + 1)
+    if (r.z >= kPolicy.experiment.candidate_z && is_upon(r, selection.extended.at.effects))
       list.push_back({r.effect->info().id, fitted_to(model, selection.extended, r.fit.at, 0)});
   }
   return list;

@@ -33,12 +33,6 @@ Candidate candidate_of(const Round& round, const Effect* effect) {
   return found == round.screened.end() ? Candidate{} : candidate_of(*found);
 }
 
-const Refitted* refit_of(const Round& round, const Effect* effect) {
-  const auto found = std::find_if(round.refitted.begin(), round.refitted.end(),
-                                  [&](const Refitted& r) { return r.effect == effect; });
-  return found == round.refitted.end() ? nullptr : &*found;
-}
-
 /// Whether a round took it, so that it was in the model.
 bool was_taken(const Selection& selection, const Effect* effect) {
   return std::any_of(selection.rounds.begin(), selection.rounds.end(), [&](const Round& round) {

@@ -71,6 +71,20 @@ void fit_from(JointModel& model, const JointParameters& from,
   r.converged = r.fit.converged;
 }
 
+/// The last steps of a fit, by derivatives of its own.
+/// @param begins a fit at these parameters; nullptr: none is known
+Standing settled(JointModel& model, const JointParameters& at,
+                 const std::vector<std::vector<model::Predicted>>& predicted, const Linearised* begins) {
+  JointModel::FitOptions how = refit_options(kLastIterations);
+  how.derivatives = JointModel::Derivatives::kWhole;
+  how.known = true;
+  how.begins = begins;
+  Standing standing;
+  standing.fit = model.fit(at, how, &predicted);
+  standing.unseen = unseen(model, standing.fit);
+  return standing;
+}
+
 /// Probability of a gain on unseen trials, were others like these recorded: the share of the Bayesian
 /// bootstrap of the trials (Rubin 1981). What rests on one trial of many is not there in all of them. By
 /// plain errors: Huber's weights would take what acts seldom, a wall or a core that slips, for outliers.
@@ -143,12 +157,35 @@ bool at_limit(const Linearised& at, std::size_t effect) {
   return false;
 }
 
+const Refitted* refit_of(const Round& round, const model::Effect* effect) {
+  const auto found = std::find_if(round.refitted.begin(), round.refitted.end(),
+                                  [&](const Refitted& r) { return r.effect == effect; });
+  return found == round.refitted.end() ? nullptr : &*found;
+}
+
+void without_fits(Round& round) {
+  for (Refitted& r : round.refitted) {
+    Linearised fit;
+    fit.at = std::move(r.fit.at);
+    fit.given_up = r.fit.given_up;  // what did not converge is told, but for these
+    r.fit = std::move(fit);
+    r.unseen.residual.clear();
+    r.evidence.reset();
+  }
+}
+
+bool is_upon(const Refitted& refit, const std::vector<Present>& effects) {
+  const std::vector<Present>& all = refit.fit.at.effects;
+  return all.size() == effects.size() + 1 &&
+         std::equal(effects.begin(), effects.end(), all.begin(),
+                    [](const Present& a, const Present& b) { return a.effect == b.effect; });
+}
+
 std::vector<Present> candidates_of(const Round& round) {
   std::vector<Present> candidates;
   for (const Screened& s : round.screened) {
     Present candidate{s.effect, s.values};
-    for (const Refitted& r : round.refitted)
-      if (r.effect == s.effect) candidate = r.fit.at.effects.back();
+    if (const Refitted* r = refit_of(round, s.effect)) candidate = r->fit.at.effects.back();
     candidates.push_back(std::move(candidate));
   }
   return candidates;
@@ -303,25 +340,12 @@ void refit_what_is_alike(JointModel& model, const Standing& current, const std::
 }
 
 Standing standing_on(JointModel& model, const Linearised& fit) {
-  JointModel::FitOptions how = refit_options(kLastIterations);
-  how.derivatives = JointModel::Derivatives::kWhole;
-  how.known = true;
-  how.begins = &fit;
-  Standing standing;
-  standing.fit = model.fit(fit.at, how, &fit.predicted);
-  standing.unseen = unseen(model, standing.fit);
-  return standing;
+  return settled(model, fit.at, fit.predicted, &fit);
 }
 
 Standing standing_at(JointModel& model, const JointParameters& at,
                      const std::vector<std::vector<model::Predicted>>& predicted) {
-  JointModel::FitOptions how = refit_options(kLastIterations);
-  how.derivatives = JointModel::Derivatives::kWhole;
-  how.known = true;
-  Standing standing;
-  standing.fit = model.fit(at, how, &predicted);
-  standing.unseen = unseen(model, standing.fit);
-  return standing;
+  return settled(model, at, predicted, nullptr);
 }
 
 void linearise_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {

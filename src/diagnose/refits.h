@@ -15,6 +15,15 @@ struct Standing {
   std::optional<KnownEvidence> evidence = {};  ///< about the fit, once a posterior was made
 };
 
+/// Of a round, with that effect; nullptr: none.
+const Refitted* refit_of(const Round& round, const model::Effect* effect);
+
+/// Fits are large, and not looked at again: of a round's only where they are stays.
+void without_fits(Round& round);
+
+/// Whether a refit has these effects before its own: another may have taken the place of one since.
+bool is_upon(const Refitted& refit, const std::vector<model::Present>& effects);
+
 /// What was screened, each at the values of its refit where it had one.
 std::vector<model::Present> candidates_of(const Round& round);
 

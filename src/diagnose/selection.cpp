@@ -33,9 +33,7 @@ double rounds_left(bool first) {
 bool refit_the_probable(JointModel& model, const Standing& current, Round& round, const Progress& progress) {
   bool any = false;
   for (const Screened& s : round.screened) {
-    const bool known = std::any_of(round.refitted.begin(), round.refitted.end(),
-                                   [&](const Refitted& r) { return r.effect == s.effect; });
-    if (known || round.posterior.of(s.effect) < kPolicy.posterior.rival ||
+    if (refit_of(round, s.effect) != nullptr || round.posterior.of(s.effect) < kPolicy.posterior.rival ||
         of_class(round, s.effect) < kPolicy.posterior.named)
       continue;
     progress(kPosterior + rounds_left(false), "refitting with " + s.effect->info().id);
@@ -119,18 +117,6 @@ void take_beside(JointModel& model, const Round& round, Standing& current, std::
     current = standing_on(model, own.refitted.front().fit);
     list.push_back(s.effect);
     taken(std::move(own));
-  }
-}
-
-/// Fits are large, and not looked at again.
-void without_fits(Round& round) {
-  for (Refitted& r : round.refitted) {
-    Linearised fit;
-    fit.at = std::move(r.fit.at);
-    fit.given_up = r.fit.given_up;  // what did not converge is told, but for these
-    r.fit = std::move(fit);
-    r.unseen.residual.clear();
-    r.evidence.reset();
   }
 }
 

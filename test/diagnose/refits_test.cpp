@@ -14,6 +14,7 @@
 #include "diagnose/policy.h"
 #include "diagnose/screen.h"
 #include "diagnose/unseen.h"
+#include "effects/catalogue.h"
 #include "looked.h"
 #include "recorded_case.h"
 #include "started.h"
@@ -332,6 +333,19 @@ TEST(Refits, WhatSeemsProbableIsJudgedAboutItsOwnFit) {
   EXPECT_TRUE(std::any_of(first.refitted.begin(), first.refitted.end(),
                           [&](const Refitted& r) { return r.effect == inertia->effect; }));
   EXPECT_LT(first.posterior.of(inertia->effect), 0.5 * linear.posterior.of(inertia->effect));
+}
+
+TEST(Refits, ThatAreUponTheSameEffectsAreKnownFromOthers) {
+  const auto present = [](const char* id) {
+    const model::Effect* one = effects::find(id);
+    return model::Present{one, model::Values::Zero(static_cast<Eigen::Index>(one->info().parameters.size()))};
+  };
+  Refitted weight;
+  weight.fit.at.effects = {present("tether"), present("tip_mass")};
+  EXPECT_TRUE(is_upon(weight, {present("tether")}));
+  EXPECT_FALSE(is_upon(weight, {present("contact")})) << "which took the hose's place since";
+  EXPECT_FALSE(is_upon(weight, {present("tether"), present("tip_mass")}));
+  EXPECT_FALSE(is_upon(weight, {}));
 }
 
 TEST(Refits, ManyEffectsAreLookedForOnlyWhereMuchIsLeft) {
