@@ -92,10 +92,11 @@ struct Policy {
     /// instead. Nobody knows what made the rest. It lies in some ten directions that trials tell apart, so a
     /// third of it favours one of two by chance, half of it now and then.
     double rival_left = 0.5;
-    double rival_explains = 0.5;   ///< at least, of what the other explains, in squares
-    double distinct_cosine = 0.5;  ///< of two that neither hides nor feigns the other
-    double identifiable_sd = 2.0;  ///< from 0, of a size that is identifiable
-    double other_optimum = 0.02;   ///< fall of chi^2 that an effect of no size brings: the constants' own
+    double rival_explains = 0.5;    ///< at least, of what the other explains, in squares
+    std::size_t most_compared = 2;  ///< with an effect of the model in the end: each costs a refit
+    double distinct_cosine = 0.5;   ///< of two that neither hides nor feigns the other
+    double identifiable_sd = 2.0;   ///< from 0, of a size that is identifiable
+    double other_optimum = 0.02;    ///< fall of chi^2 that an effect of no size brings: the constants' own
   } selection;
 
   /// How probable effects are.

@@ -12,8 +12,6 @@ namespace {
 
 using model::Effect;
 
-constexpr std::size_t kMostCompared = 2;  // with one effect: each costs a refit
-
 bool has(const EffectList& list, const Effect* effect) {
   return std::find(list.begin(), list.end(), effect) != list.end();
 }
@@ -32,12 +30,11 @@ std::vector<Screened> doing_nearly_the_same(const JointParameters& at, const Rou
     const double cosine = std::abs(s.direction.dot(own.direction));
     if (there || !(has(round.rivals, s.effect) || cosine > kPolicy.selection.rival_cosine)) continue;
     list.push_back(s);
-    for (const Refitted& r : round.refitted)
-      if (r.effect == s.effect) list.back().values = r.fit.at.effects.back().values;
+    if (const Refitted* r = refit_of(round, s.effect)) list.back().values = r->fit.at.effects.back().values;
   }
   std::stable_sort(list.begin(), list.end(),
                    [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
-  if (list.size() > kMostCompared) list.resize(kMostCompared);
+  if (list.size() > kPolicy.selection.most_compared) list.resize(kPolicy.selection.most_compared);
   return list;
 }
 
@@ -72,49 +69,56 @@ Round compared_with(JointModel& model, const Standing& current, std::size_t e,
   return round;
 }
 
-/// The likeliest in the effect's place; nullptr: the effect itself.
-const Refitted* likelier_than(const Effect* effect, const Round& round) {
-  const Refitted* best = nullptr;
-  double most = 0.0;
-  for (const Refitted& r : round.refitted) {
-    if (r.effect == effect || !r.physical || r.fit.given_up) continue;
-    const double instead = round.posterior.instead(r.effect, effect);
-    if (instead > most && instead > round.posterior.instead(effect, r.effect)) {
-      best = &r;
-      most = instead;
-    }
-  }
-  return best;
-}
-
 /// A round as if it had taken another effect, which explains what the one that it took did.
-void retake(Round& round, const Refitted& other, const Posterior& posterior) {
-  const Effect* before = taken_of(round).effect;
-  const auto forget = [&](EffectList& list) {
-    list.erase(std::remove(list.begin(), list.end(), other.effect), list.end());
+void retake(Round& round, const Refitted& other, const Round& compared) {
+  const Refitted before = *refit_of(compared, taken_of(round).effect);
+  const auto is_either = [&](const Effect* effect) {
+    return effect == before.effect || effect == other.effect;
   };
-  forget(round.rivals);
-  forget(round.nearly_as_good);
-  if (posterior.instead(before, other.effect) >= kPolicy.posterior.rival) round.rivals.push_back(before);
+  for (EffectList* list : {&round.rivals, &round.nearly_as_good})
+    list->erase(std::remove_if(list->begin(), list->end(), is_either), list->end());
   Refitted taken = taken_of(round);
   taken.effect = other.effect;
   taken.probability = other.probability;
-  taken.fit = Linearised();
-  taken.fit.at = other.fit.at;
-  round.refitted.erase(
-      std::remove_if(round.refitted.begin(), round.refitted.end(),
-                     [&](const Refitted& r) { return r.effect == other.effect || r.effect == before; }),
-      round.refitted.end());
-  round.refitted.insert(round.refitted.begin(), std::move(taken));
+  taken.converged = other.converged;
+  taken.fit = other.fit;
+  round.refitted.erase(std::remove_if(round.refitted.begin(), round.refitted.end(),
+                                      [&](const Refitted& r) { return is_either(r.effect); }),
+                       round.refitted.end());
+  round.refitted.insert(round.refitted.begin(), {std::move(taken), before});
   round.taken = 0;
-  round.posterior = posterior;
+  round.posterior = compared.posterior;
+}
+
+/// What a comparison says may be there in place of what a round took becomes its rival.
+void add_rivals(Round& round, const Round& compared) {
+  const Effect* taken = taken_of(round).effect;
+  for (const Refitted& r : compared.refitted) {
+    if (r.effect != taken && !has(round.rivals, r.effect) &&
+        compared.posterior.instead(r.effect, taken) >= kPolicy.posterior.rival)
+      round.rivals.push_back(r.effect);
+  }
 }
 
 }  // namespace
 
+const Refitted* likelier_than(const Effect* effect, const Round& compared) {
+  const double own = refit_of(compared, effect)->probability;
+  const Refitted* best = nullptr;
+  double most = compared.posterior.of(effect);
+  for (const Refitted& r : compared.refitted) {
+    if (r.effect == effect || !r.physical || r.fit.given_up || !(r.probability > own)) continue;
+    const double instead = compared.posterior.instead(r.effect, effect);
+    if (!(instead > most)) continue;
+    best = &r;
+    most = instead;
+  }
+  return best;
+}
+
 bool put_likelier_in_place(JointModel& model, Standing& current, Selection& selection,
                            const Options& options) {
-  const std::vector<Screened> screened = selection.rounds.back().screened;
+  std::vector<Screened> screened = selection.rounds.back().screened;
   bool any = false;
   // The last came upon all others.
   for (std::size_t e = 0; e + 1 < current.fit.at.effects.size(); ++e) {
@@ -125,20 +129,21 @@ bool put_likelier_in_place(JointModel& model, Standing& current, Selection& sele
     Screened own = screened_of(of, effect);
     own.values = current.fit.at.effects[e].values;
     list.insert(list.begin(), own);
-    const Round round = compared_with(model, current, e, list, screened, options);
-    if (const Refitted* other = likelier_than(effect, round)) {
+    Round compared = compared_with(model, current, e, list, screened, options);
+    if (const Refitted* other = likelier_than(effect, compared)) {
       JointParameters p = other->fit.at;  // in the same place, as what it explains is
       std::rotate(p.effects.begin() + static_cast<std::ptrdiff_t>(e), p.effects.end() - 1, p.effects.end());
       current = standing_at(model, p, other->fit.predicted);
-      retake(of, *other, round.posterior);
+      without_fits(compared);
+      retake(of, *other, compared);
+      // What is not in the model is another from here on.
+      screened.erase(std::remove_if(screened.begin(), screened.end(),
+                                    [&](const Screened& s) { return s.effect == other->effect; }),
+                     screened.end());
+      screened.push_back(std::move(own));
       any = true;
-      continue;
     }
-    for (const Refitted& r : round.refitted) {
-      if (r.effect != effect && !has(of.rivals, r.effect) &&
-          round.posterior.instead(r.effect, effect) >= kPolicy.posterior.rival)
-        of.rivals.push_back(r.effect);
-    }
+    add_rivals(of, compared);
   }
   return any;
 }

@@ -11,6 +11,7 @@
 #include "diagnose/rivals.h"
 #include "diagnose/screen.h"
 #include "diagnose/unseen.h"
+#include "effects/catalogue.h"
 #include "looked.h"
 #include "recorded_case.h"
 
@@ -59,6 +60,43 @@ TEST(Replacement, AWeightTakesThePlaceOfAHoseThatOnlyWeighs) {
   const Round& round = taken.selection.rounds[0];
   ASSERT_EQ(round.refitted.at(static_cast<std::size_t>(round.taken)).effect->info().id, "tip_mass");
   EXPECT_GT(round.refitted.at(static_cast<std::size_t>(round.taken)).probability, 0.5);
+  const Refitted* hose = refit_of(round, effects::find("tether"));
+  ASSERT_NE(hose, nullptr);
+  EXPECT_EQ(hose->fit.at.effects.back().effect, hose->effect) << "where it would be, upon all else";
+  EXPECT_TRUE(hose->fit.predicted.empty()) << "fits are large";
+}
+
+/// A round that compared a hose with a weight: how probable each is alone, and both at once.
+Round hose_and_weight(double hose, double weight, double both) {
+  const model::Effect *one = effects::find("tether"), *other = effects::find("tip_mass");
+  Round round;
+  round.posterior.sets = {
+      {{one}, hose}, {{other}, weight}, {{one, other}, both}, {{}, 1.0 - hose - weight - both}};
+  for (const model::Effect* effect : {one, other}) {
+    Refitted r;
+    r.effect = effect;
+    r.probability = round.posterior.of(effect);
+    round.refitted.push_back(std::move(r));
+  }
+  return round;
+}
+
+TEST(Replacement, OneIsLikelierThatIsThereWithoutTheOther) {
+  const model::Effect* hose = effects::find("tether");
+  const Round weight = hose_and_weight(0.1, 0.8, 0.05);
+  EXPECT_EQ(likelier_than(hose, weight), &weight.refitted[1]);
+  EXPECT_EQ(likelier_than(effects::find("tip_mass"), weight), nullptr);
+  EXPECT_EQ(likelier_than(hose, hose_and_weight(0.5, 0.4, 0.0)), nullptr);
+  EXPECT_EQ(likelier_than(hose, hose_and_weight(0.002, 0.008, 0.99)), nullptr) << "both are there";
+  Round other = weight;
+  other.refitted[1].physical = false;
+  EXPECT_EQ(likelier_than(hose, other), nullptr) << "no arm has so much of it";
+  other = weight;
+  other.refitted[1].fit.given_up = true;
+  EXPECT_EQ(likelier_than(hose, other), nullptr) << "it explains far less";
+  other = weight;
+  other.refitted[1].probability = 0.05;
+  EXPECT_EQ(likelier_than(hose, other), nullptr) << "it does not predict unseen trials";
 }
 
 TEST(Replacement, AHoseThatPullsStays) {
