@@ -191,9 +191,11 @@ Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selecti
 }
 
 Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
-                              const Options& options) {
+                              const Options& options,
+                              const std::function<void(double, const std::string&)>& progress) {
   if (drop_superfluous(model, current, selection)) look_again(model, current, selection, options);
-  bool changed = put_likelier_in_place(model, current, selection, options);
+  bool changed = put_likelier_in_place(model, current, selection, options, progress);
+  progress(0.0, "testing each on unseen trials");
   for (;;) {
     if (changed) look_again(model, current, selection, options);
     const Round& last = selection.rounds.back();

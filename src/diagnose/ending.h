@@ -1,6 +1,9 @@
 // What the model ends with: nothing superfluous, nothing that predicts unseen trials worse.
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "refits.h"
 
 namespace softarm::diagnose {
@@ -10,11 +13,14 @@ struct Ending {
   Unseen unseen;
 };
 
-/// Takes out again what has become superfluous, then, while true refits predict unseen trials no better than
-/// the arm's constants alone do, what is least sure. A round more looks at what was taken out, too. What
-/// stays though it would have been superfluous in the place of what was taken out has that one as its rival.
-Ending end_with_what_predicts(JointModel& model, Standing& current, Selection& selection,
-                              const Options& options);
+/// Takes out again what has become superfluous; puts what is likelier in the place of what stays
+/// (put_likelier_in_place()); then takes out, while true refits predict unseen trials no better than the
+/// arm's constants alone do, what is least sure. A round more looks at what was taken out, too. What stays
+/// though it would have been superfluous in the place of what was taken out has that one as its rival.
+/// @param progress how many comparisons of put_likelier_in_place() are left, and what comes next
+Ending end_with_what_predicts(
+    JointModel& model, Standing& current, Selection& selection, const Options& options,
+    const std::function<void(double, const std::string&)>& progress = [](double, const std::string&) {});
 
 /// Of two effects of the model that are each doubtful (Selection::doubt) because the other can do what it
 /// does: takes the one out again without which unseen trials are predicted better. It becomes a rival of the

@@ -100,6 +100,14 @@ void add_rivals(Round& round, const Round& compared) {
   }
 }
 
+/// Comparisons from one of the effects on, as the model is.
+std::size_t comparisons_from(std::size_t first, const Standing& current, const Selection& selection) {
+  std::size_t count = 0;
+  for (std::size_t e = first; e + 1 < current.fit.at.effects.size(); ++e)
+    count += !doing_nearly_the_same(current.fit.at, selection.rounds[selection.round_of[e]]).empty();
+  return count;
+}
+
 }  // namespace
 
 const Refitted* likelier_than(const Effect* effect, const Round& compared) {
@@ -116,8 +124,8 @@ const Refitted* likelier_than(const Effect* effect, const Round& compared) {
   return best;
 }
 
-bool put_likelier_in_place(JointModel& model, Standing& current, Selection& selection,
-                           const Options& options) {
+bool put_likelier_in_place(JointModel& model, Standing& current, Selection& selection, const Options& options,
+                           const std::function<void(double, const std::string&)>& progress) {
   std::vector<Screened> screened = selection.rounds.back().screened;
   bool any = false;
   // The last came upon all others.
@@ -126,6 +134,8 @@ bool put_likelier_in_place(JointModel& model, Standing& current, Selection& sele
     std::vector<Screened> list = doing_nearly_the_same(current.fit.at, of);
     if (list.empty()) continue;
     const Effect* effect = current.fit.at.effects[e].effect;
+    progress(static_cast<double>(comparisons_from(e, current, selection)),
+             "comparing " + effect->info().id + " with what does nearly the same");
     Screened own = screened_of(of, effect);
     own.values = current.fit.at.effects[e].values;
     list.insert(list.begin(), own);

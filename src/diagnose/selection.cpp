@@ -22,11 +22,20 @@ constexpr double kFirstScreen = 0.37, kScreen = 0.24, kRefit = 0.4, kUsualRefits
 constexpr double kRound = kScreen + kUsualRefits * kRefit + kLeaders + kPosterior,
                  kLastRound = kScreen + kPosterior;       // that finds nothing worth a refit
 constexpr double kAfterFirst = 1.3, kAfterOthers = 0.45;  // rounds that do, if one more effect is taken
+// One effect of the model with what does nearly the same: fits without it, and of some three upon that. Every
+// other effect that others came after has such.
+constexpr double kComparison = 2.0 * kRefit + 2.0 * kRefit + kFirstLeaders + kPosterior, kCompared = 0.5;
 constexpr double kEnding = 0.4;
+
+/// After the last round. @param beside effects of the model beside one
+double ending(double beside) {
+  return beside * kCompared * kComparison + kEnding;
+}
 
 /// After this round, if it takes an effect.
 double rounds_left(bool first) {
-  return (first ? kAfterFirst : kAfterOthers) * kRound + kLastRound + kEnding;
+  const double after = first ? kAfterFirst : kAfterOthers;
+  return after * kRound + kLastRound + ending(first ? after : 1.0 + after);
 }
 
 /// Refits of what is more probable than not, or one of a class that is, and was not refitted.
@@ -78,7 +87,8 @@ Round look(JointModel& model, Standing& current, bool first, bool refits, bool m
     }
   }
   linearise_leaders(model, current, round.refitted);
-  progress(kPosterior + (worth.empty() ? kEnding : after), "computing probabilities");
+  progress(kPosterior + (worth.empty() ? ending(first ? 0.0 : kAfterOthers) : after),
+           "computing probabilities");
   round.posterior = posterior_of(model, current, round, options.jobs);
   while (refits && refit_the_probable(model, current, round, progress)) {
     linearise_leaders(model, current, round.refitted);
@@ -161,12 +171,14 @@ Selection select(JointModel& model, Linearised baseline, const std::optional<Lin
       selection.rounds.push_back(std::move(one));
     }
   }
-  progress(kEnding, "testing each on unseen trials");
-  const Ending ending = end_with_what_predicts(model, current, selection, options);
+  const Ending ended = end_with_what_predicts(model, current, selection, options,
+                                              [&](double comparisons, const std::string& what) {
+                                                progress(comparisons * kComparison + kEnding, what);
+                                              });
   selection.extended = std::move(current.fit);
-  selection.extended_unseen = ending.unseen;
+  selection.extended_unseen = ended.unseen;
   selection.with_background =
-      with_background(model, selection.extended, candidates_of(selection.rounds.back()), ending.background,
+      with_background(model, selection.extended, candidates_of(selection.rounds.back()), ended.background,
                       selection.extended_unseen, options.jobs);
   selection.inflation = inflation(selection.extended);
   return selection;

@@ -54,7 +54,13 @@ TEST(Replacement, AWeightTakesThePlaceOfAHoseThatOnlyWeighs) {
   TakenInTurn taken(looked, {"tether", "base_tilt"});
   ASSERT_EQ(taken.ids(), (std::vector<std::string>{"tether", "base_tilt"}));
   const double square = taken.current.fit.square;
-  ASSERT_TRUE(put_likelier_in_place(looked.model, taken.current, taken.selection, {}));
+  std::vector<double> left;
+  ASSERT_TRUE(put_likelier_in_place(looked.model, taken.current, taken.selection, {},
+                                    [&](double comparisons, const std::string& what) {
+                                      left.push_back(comparisons);
+                                      EXPECT_NE(what.find("tether"), std::string::npos);
+                                    }));
+  EXPECT_EQ(left, std::vector<double>{1.0});
   EXPECT_EQ(taken.ids(), (std::vector<std::string>{"tip_mass", "base_tilt"})) << "in the same place";
   EXPECT_LT(taken.current.fit.square, 1.1 * square);
   const Round& round = taken.selection.rounds[0];
