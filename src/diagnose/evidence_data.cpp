@@ -131,22 +131,31 @@ class Absorbing {
   const math::SymmetricSolver solver_;
 };
 
+/// Unknowns of a fit but for those of one of its effects.
+std::vector<const Signature*> unknowns_but_for(const Linearised& at, const EvidenceData& data,
+                                               std::size_t effect) {
+  std::vector<const Signature*> list;
+  for (std::size_t j = 0; j < at.columns.size(); ++j) {
+    const JointUnknown& c = at.columns[j];
+    if (c.kind != JointUnknown::Kind::kEffect || c.index != static_cast<int>(effect))
+      list.push_back(&data.unknowns[j]);
+  }
+  return list;
+}
+
 /// Fills what the effects of the fit do.
 void add_done(const Linearised& at, EvidenceData& data) {
   const Index n = data.residual.rows(), m = data.residual.cols();
   const Eigen::VectorXd x = at.unknowns();
   for (std::size_t e = 0; e < at.at.effects.size(); ++e) {
     MatrixXd moves = MatrixXd::Zero(n, m);
-    std::vector<const Signature*> others;
     for (std::size_t j = 0; j < at.columns.size(); ++j) {
       const JointUnknown& c = at.columns[j];
-      const bool own = c.kind == JointUnknown::Kind::kEffect && c.index == static_cast<int>(e);
-      if (!own)
-        others.push_back(&data.unknowns[j]);
-      else if (c.parameter < at.at.effects[e].effect->info().sizes)
+      if (c.kind == JointUnknown::Kind::kEffect && c.index == static_cast<int>(e) &&
+          c.parameter < at.at.effects[e].effect->info().sizes)
         moves += x[static_cast<Index>(j)] * data.unknowns[j].moves;
     }
-    const Eigen::VectorXd left = Absorbing(others, moves.size()).left_of(moves);
+    const Eigen::VectorXd left = Absorbing(unknowns_but_for(at, data, e), moves.size()).left_of(moves);
     data.done.emplace_back(Eigen::Map<const MatrixXd>(left.data(), n, m));
   }
 }
@@ -317,6 +326,25 @@ EvidenceData evidence_of_refit(JointModel& model, Linearised& refit, const Linea
     if (candidate.effect != refit.at.effects.back().effect) others.push_back(candidate);
   add_effects(model, shown, refit, like, others, jobs, data);
   return data;
+}
+
+std::vector<Alike> alike_to(const Linearised& at, const EvidenceData& data, std::size_t effect) {
+  const MatrixXd& done = data.done.at(effect);
+  const Eigen::Map<const Eigen::VectorXd> wanted(done.data(), done.size());
+  const Absorbing absorbing(unknowns_but_for(at, data, effect), done.size());
+  std::vector<Alike> list;
+  for (std::size_t c = 0; c < data.effects.size();) {
+    const model::Effect* other = data.effects[c].effect;
+    std::vector<Eigen::VectorXd> columns;
+    for (; c < data.effects.size() && data.effects[c].effect == other; ++c)
+      columns.push_back(absorbing.left_of(data.effects[c].moves));
+    MatrixXd moves(done.size(), static_cast<Index>(columns.size()));
+    for (std::size_t k = 0; k < columns.size(); ++k) moves.col(static_cast<Index>(k)) = columns[k];
+    const double left = (wanted - moves * math::least_squares(moves, wanted)).squaredNorm(),
+                 all = wanted.squaredNorm();
+    list.push_back({other, all > 0.0 ? std::sqrt(std::max(0.0, 1.0 - left / all)) : 0.0});
+  }
+  return list;
 }
 
 EvidenceData evidence_data(JointModel& model, Linearised& at, const std::vector<model::Present>& candidates,

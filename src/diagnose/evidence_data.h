@@ -72,4 +72,14 @@ EvidenceData evidence_of_refit(const JointModel& model, const Linearised& refit,
 EvidenceData evidence_of_refit(JointModel& model, Linearised& refit, const Linearised& like,
                                const std::vector<model::Present>& candidates, unsigned jobs);
 
+/// How far an effect that is not in a fit can do what one of the fit does.
+struct Alike {
+  const model::Effect* effect = nullptr;
+  double correlation = 0.0;  ///< 0 ... 1, of what both move beyond what the fit's other unknowns absorb
+};
+/// @param data about the fit
+/// @param effect of the fit
+/// @return each of data.effects once
+std::vector<Alike> alike_to(const Linearised& at, const EvidenceData& data, std::size_t effect);
+
 }  // namespace softarm::diagnose

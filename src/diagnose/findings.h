@@ -62,8 +62,8 @@ Verdict verdict_of(const Diagnosis& d, bool adequate);
 /// the small departures and the stand-ins, all others.
 void rank_as_said(Diagnosis& d);
 
-/// Moves what is hardly there to the stand-ins. What nobody believes is not mistaken for others: each of those
-/// stands in the ranking by itself.
+/// Moves what is hardly there to the stand-ins. What nobody believes is not mistaken for others: each of
+/// those stands in the ranking by itself.
 void set_stand_ins_apart(Diagnosis& d);
 
 }  // namespace softarm::diagnose

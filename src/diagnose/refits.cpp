@@ -191,6 +191,14 @@ std::vector<Present> candidates_of(const Round& round) {
   return candidates;
 }
 
+const EvidenceData& evidence_about(JointModel& model, Standing& current,
+                                   const std::vector<Present>& candidates, unsigned jobs) {
+  const auto about_fit = [&](const std::vector<Present>& some) {
+    return evidence_data(model, current.fit, some, jobs);
+  };
+  return evidence_with(candidates, about_fit, current.evidence);
+}
+
 Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsigned jobs) {
   const std::vector<Present> candidates = candidates_of(round);
   std::vector<RefitEvidence> refits;
@@ -201,10 +209,7 @@ Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsig
     refits.push_back({r.effect, r.fit.own_derivatives ? evidence_with(candidates, about_refit, r.evidence)
                                                       : evidence_of_refit(model, r.fit, current.fit)});
   }
-  const auto about_fit = [&](const std::vector<Present>& some) {
-    return evidence_data(model, current.fit, some, jobs);
-  };
-  return posterior(evidence_with(candidates, about_fit, current.evidence), refits, jobs);
+  return posterior(evidence_about(model, current, candidates, jobs), refits, jobs);
 }
 
 std::vector<Eigen::Index> rows_of_sizes(const Linearised& at, std::size_t effect) {

@@ -27,6 +27,10 @@ bool is_upon(const Refitted& refit, const std::vector<model::Present>& effects);
 /// What was screened, each at the values of its refit where it had one.
 std::vector<model::Present> candidates_of(const Round& round);
 
+/// What the posterior about the model so far is worked out from; kept with the model.
+const EvidenceData& evidence_about(JointModel& model, Standing& current,
+                                   const std::vector<model::Present>& candidates, unsigned jobs);
+
 /// About the model so far, and the refits: how probable each of a round's candidates is.
 Posterior posterior_of(JointModel& model, Standing& current, Round& round, unsigned jobs);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "evidence_data.h"
 #include "policy.h"
 #include "rivals.h"
 
@@ -20,22 +21,42 @@ const Refitted& taken_of(const Round& round) {
   return round.refitted[static_cast<std::size_t>(round.taken)];
 }
 
-/// What does nearly the same as what a round took and is not in the model, best first.
-std::vector<Screened> doing_nearly_the_same(const JointParameters& at, const Round& round) {
-  const Screened& own = screened_of(round, taken_of(round).effect);
+/// By effect of the model: what does nearly the same and is not in the model, the most alike first.
+using ToCompare = std::vector<std::vector<Screened>>;
+
+/// Of what is alike to an effect of the model, those that are to be compared with it, as the round that took
+/// it had them.
+std::vector<Screened> compared_with_it(std::vector<Alike> alike, const Round& round) {
+  std::stable_sort(alike.begin(), alike.end(),
+                   [](const Alike& a, const Alike& b) { return a.correlation > b.correlation; });
   std::vector<Screened> list;
-  for (const Screened& s : round.screened) {
-    const bool there = std::any_of(at.effects.begin(), at.effects.end(),
-                                   [&](const model::Present& present) { return present.effect == s.effect; });
-    const double cosine = std::abs(s.direction.dot(own.direction));
-    if (there || !(has(round.rivals, s.effect) || cosine > kPolicy.selection.rival_cosine)) continue;
-    list.push_back(s);
-    if (const Refitted* r = refit_of(round, s.effect)) list.back().values = r->fit.at.effects.back().values;
+  for (const Alike& other : alike) {
+    const bool nearly = has(round.rivals, other.effect) || other.correlation > kPolicy.selection.rival_cosine;
+    const bool looked_at = std::any_of(round.screened.begin(), round.screened.end(),
+                                       [&](const Screened& s) { return s.effect == other.effect; });
+    if (!nearly || !looked_at || list.size() == kPolicy.selection.most_compared) continue;
+    list.push_back(screened_of(round, other.effect));
+    if (const Refitted* r = refit_of(round, other.effect))
+      list.back().values = r->fit.at.effects.back().values;
   }
-  std::stable_sort(list.begin(), list.end(),
-                   [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
-  if (list.size() > kPolicy.selection.most_compared) list.resize(kPolicy.selection.most_compared);
   return list;
+}
+
+/// @param screened what is not in the model
+ToCompare to_compare(JointModel& model, Standing& current, const Selection& selection,
+                     const std::vector<Screened>& screened, const Options& options) {
+  Round beside;
+  beside.screened = screened;
+  const EvidenceData& data = evidence_about(model, current, candidates_of(beside), options.jobs);
+  ToCompare others;
+  for (std::size_t e = 0; e < current.fit.at.effects.size(); ++e) {
+    // The last came upon all others.
+    const bool last = e + 1 == current.fit.at.effects.size();
+    others.push_back(
+        last ? std::vector<Screened>()
+             : compared_with_it(alike_to(current.fit, data, e), selection.rounds[selection.round_of[e]]));
+  }
+  return others;
 }
 
 /// The effect and those others, each fitted upon the model without it, from where the model is.
@@ -100,14 +121,6 @@ void add_rivals(Round& round, const Round& compared) {
   }
 }
 
-/// Comparisons from one of the effects on, as the model is.
-std::size_t comparisons_from(std::size_t first, const Standing& current, const Selection& selection) {
-  std::size_t count = 0;
-  for (std::size_t e = first; e + 1 < current.fit.at.effects.size(); ++e)
-    count += !doing_nearly_the_same(current.fit.at, selection.rounds[selection.round_of[e]]).empty();
-  return count;
-}
-
 }  // namespace
 
 const Refitted* likelier_than(const Effect* effect, const Round& compared) {
@@ -126,16 +139,18 @@ const Refitted* likelier_than(const Effect* effect, const Round& compared) {
 
 bool put_likelier_in_place(JointModel& model, Standing& current, Selection& selection, const Options& options,
                            const std::function<void(double, const std::string&)>& progress) {
+  if (current.fit.at.effects.size() < 2) return false;
   std::vector<Screened> screened = selection.rounds.back().screened;
+  ToCompare others = to_compare(model, current, selection, screened, options);
   bool any = false;
-  // The last came upon all others.
-  for (std::size_t e = 0; e + 1 < current.fit.at.effects.size(); ++e) {
+  for (std::size_t e = 0; e < others.size(); ++e) {
+    if (others[e].empty()) continue;
     Round& of = selection.rounds[selection.round_of[e]];
-    std::vector<Screened> list = doing_nearly_the_same(current.fit.at, of);
-    if (list.empty()) continue;
     const Effect* effect = current.fit.at.effects[e].effect;
-    progress(static_cast<double>(comparisons_from(e, current, selection)),
-             "comparing " + effect->info().id + " with what does nearly the same");
+    const auto left = std::count_if(others.begin() + static_cast<std::ptrdiff_t>(e), others.end(),
+                                    [](const std::vector<Screened>& list) { return !list.empty(); });
+    progress(static_cast<double>(left), "comparing " + effect->info().id + " with what does nearly the same");
+    std::vector<Screened> list = others[e];
     Screened own = screened_of(of, effect);
     own.values = current.fit.at.effects[e].values;
     list.insert(list.begin(), own);
@@ -144,13 +159,14 @@ bool put_likelier_in_place(JointModel& model, Standing& current, Selection& sele
       JointParameters p = other->fit.at;  // in the same place, as what it explains is
       std::rotate(p.effects.begin() + static_cast<std::ptrdiff_t>(e), p.effects.end() - 1, p.effects.end());
       current = standing_at(model, p, other->fit.predicted);
-      without_fits(compared);
-      retake(of, *other, compared);
       // What is not in the model is another from here on.
       screened.erase(std::remove_if(screened.begin(), screened.end(),
                                     [&](const Screened& s) { return s.effect == other->effect; }),
                      screened.end());
       screened.push_back(std::move(own));
+      without_fits(compared);
+      retake(of, *other, compared);
+      others = to_compare(model, current, selection, screened, options);
       any = true;
     }
     add_rivals(of, compared);
