@@ -111,8 +111,9 @@ bool take_best(JointModel& model, Round& round, Standing& current) {
   while (round.taken >= 0) {
     Refitted& best = round.refitted[static_cast<std::size_t>(round.taken)];
     Standing next = standing_on(model, best.fit);
-    if (next.unseen.total_chi2 < current.unseen.total_chi2 ||
-        next.unseen.total_rms_m < current.unseen.total_rms_m) {
+    const double least_fall = std::pow(kPolicy.selection.least_z, 2) * inflation(next.fit);
+    if (next.unseen.total_chi2 < current.unseen.total_chi2 - least_fall ||
+        moved_m(current.unseen, next.unseen) >= trivial_m(model)) {
       current = std::move(next);
       return true;
     }

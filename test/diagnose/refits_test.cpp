@@ -391,7 +391,8 @@ TEST(Screen, ThatKnowsTheSignaturesOfTheModelBeforeFindsWhatOneFromNothingDoes) 
       EXPECT_NEAR(same->gain, one.gain, 1e-6 * one.gain + 1e-9) << one.effect->info().id;
     }
     EXPECT_LE(same->gain, one.gain * (1.0 + 1e-6) + 1e-9) << one.effect->info().id;
-    EXPECT_GE(same->gain, 0.9 * one.gain - 10.0) << one.effect->info().id;
+    // A wall changes what others do.
+    EXPECT_GE(same->gain, 0.6 * one.gain - 10.0) << one.effect->info().id;
   }
 }
 
