@@ -19,7 +19,7 @@ class CurvatureSoftening : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
-  bool acts_last() const override { return true; }
+  Stage stage() const override { return Stage::kLaws; }
   bool needs_whole_derivatives(const Values&) const override { return false; }
   std::vector<Values> grid(const arm::Arm&, const FineRod& fine) const override {
     std::vector<Values> list;
@@ -33,7 +33,7 @@ class CurvatureSoftening : public Described {
     for (std::size_t j = 0; j < fine.pieces().size(); ++j) {
       rod::Segment& piece = rod.segments[j];
       const rod::RodState& middle = shape->middles[j];
-      const Vector2d rest = piece.rest_curvature_per_m.head<2>();
+      const Vector2d& rest = piece.unloaded_curvature_per_m;
       const Vector2d even = linear_curvature(piece, middle) - rest;
       const double size = even.norm();
       if (!(size > 0.0)) continue;

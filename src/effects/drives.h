@@ -84,7 +84,7 @@ using math::following;
 using math::Following;
 
 /// The curvature that a piece's linear law gives for the moment that acts on its middle in a shape, the axes
-/// across only: u* + (m + M_act) / EI.
+/// across only: u* + (m + M_act) / EI. Where bend_to() made it a tangent, what it was bent to.
 Eigen::Vector2d linear_curvature(const rod::Segment& piece, const rod::RodState& middle);
 /// All stiffnesses of the material times a factor. What servos bend by winding cables up is a curvature and
 /// stays: their moment goes with the stiffness.
@@ -94,7 +94,9 @@ void stiffen(double factor, const arm::Arm& arm, const model::FineRod& fine, con
 Eigen::Matrix2d slope_about(const Eigen::Vector2d& direction, double along, double across);
 /// Makes the piece have another curvature at the moment that acts in the shape, and about it the law's own
 /// answer to a change of that moment, along and across: solutions settle at once, and derivatives by the rod
-/// are those of the law. Only for effects that act last; exact for a section that is round, else nearly so.
+/// are those of the law. Only for Stage::kLaws, whose laws begin from Segment::unloaded_curvature_per_m. With
+/// several of them the answer is the product of theirs. The curvature is exact; the answer is where a section
+/// is round and the slopes have the same direction, as about the curvature without a load, else nearly so.
 /// @param slope of the curvature by what linear_curvature() is; symmetric, positive definite
 void bend_to(const Eigen::Vector2d& curvature, const Eigen::Matrix2d& slope, const rod::RodState& middle,
              rod::Segment& piece);

@@ -26,6 +26,7 @@ using model::Piece;
 using model::Present;
 using model::Series;
 using model::Shape;
+using model::Stage;
 using model::StartNumber;
 using model::Values;
 

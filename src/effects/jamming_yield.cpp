@@ -97,7 +97,7 @@ class JammingYield : public Described {
     return list;
   }
   bool needs_shape() const override { return true; }
-  bool acts_last() const override { return true; }
+  Stage stage() const override { return Stage::kLaws; }
   /// What slipped before was another, too: an arm that is held where it slips would seem not to.
   bool needs_whole_derivatives(const Values&) const override { return true; }
   void act(const arm::Arm& arm, const FineRod& fine, const Values& values, const Instant& instant,
@@ -108,7 +108,8 @@ class JammingYield : public Described {
       const double now = cores[static_cast<std::size_t>(fine.pieces()[j].segment)];
       rod::Segment& piece = rod.segments[j];
       const rod::RodState& middle = shape->middles[j];
-      const double lost = std::min(values[0] * now * piece.bending_compliance, kMostLost) / kElements;
+      const double lost =
+          std::min(values[0] * now * piece.unloaded_bending_compliance, kMostLost) / kElements;
       double stiffness = 1.0;
       const Vector2d u = elements(memory, j, now, values)
                              .curvature(linear_curvature(piece, middle), lost, middle.u.head<2>(), stiffness);

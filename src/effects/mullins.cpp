@@ -22,7 +22,7 @@ class Mullins : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
-  bool acts_last() const override { return true; }
+  Stage stage() const override { return Stage::kLaws; }
   /// The largest curvature was another, too: an arm that is held where it is largest would seem to answer by
   /// the steep part of the law, with far more stiffness than it has.
   bool needs_whole_derivatives(const Values&) const override { return true; }

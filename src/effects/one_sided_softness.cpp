@@ -32,7 +32,7 @@ class OneSidedSoftness : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
-  bool acts_last() const override { return true; }
+  Stage stage() const override { return Stage::kSides; }
   /// On either side the piece is linear, with the stiffness that is felt there.
   bool needs_whole_derivatives(const Values&) const override { return false; }
   std::vector<Values> grid(const arm::Arm&, const FineRod&) const override {

@@ -24,7 +24,7 @@ class StrainStiffening : public Described {
  public:
   using Described::Described;
   bool needs_shape() const override { return true; }
-  bool acts_last() const override { return true; }
+  Stage stage() const override { return Stage::kLaws; }
   bool needs_whole_derivatives(const Values&) const override { return false; }
   void act(const arm::Arm&, const FineRod&, const Values& values, const Instant&, const Shape* shape,
            const Memory&, rod::Rod& rod) const override {
@@ -33,7 +33,7 @@ class StrainStiffening : public Described {
     for (std::size_t j = 0; j < rod.segments.size(); ++j) {
       rod::Segment& piece = rod.segments[j];
       const rod::RodState& middle = shape->middles[j];
-      const Vector2d rest = piece.rest_curvature_per_m.head<2>();
+      const Vector2d& rest = piece.unloaded_curvature_per_m;
       const Vector2d even = linear_curvature(piece, middle) - rest;
       const double linear = even.norm();
       if (!(linear > 0.0)) continue;

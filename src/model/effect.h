@@ -128,6 +128,17 @@ struct Bodies {
   Eigen::Matrix3Xd u;  ///< curvature and twist of those sections, 1/m, in their frames
 };
 
+/// When act() is called. Effects of a later stage go by what those before make of each piece, its linear law
+/// and its moment, whatever order a model has them in.
+enum class Stage {
+  kPieces,  ///< makes the pieces; in the order of the model
+  kSides,   ///< changes compliances by where a piece is bent to, and leaves it linear
+  /// Bends pieces by a law that is not linear, each by what the one before made of the curvature at the
+  /// moment that acts. Such laws do not commute: they act in the order of the catalogue, whose last ones
+  /// remember the curvature that comes of all.
+  kLaws,
+};
+
 /// One effect. Stateless: values and memories are arguments. All hooks do nothing by default, and nothing
 /// where the sizes are 0.
 class Effect {
@@ -161,9 +172,7 @@ class Effect {
   virtual void act(const arm::Arm&, const FineRod&, const Values&, const Instant&, const Shape*,
                    const Memory&, rod::Rod&) const {}
   virtual bool needs_shape() const { return false; }
-  /// Whether act() goes by what the other effects make of each piece, its linear law and its moment: these
-  /// act after the others, whatever order a model has them in.
-  virtual bool acts_last() const { return false; }
+  virtual Stage stage() const { return Stage::kPieces; }
   /// Whether it holds places of the arm, each with a force that depends on where that place is, and on
   /// nothing else of the shape: a wall, a hose. It needs the shape, and act() leaves these forces out.
   virtual bool holds_places() const { return false; }

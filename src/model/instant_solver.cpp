@@ -39,6 +39,29 @@ bool needs_only_places(const std::vector<Present>& effects) {
                       [](const Present& p) { return p.effect->needs_shape() && !p.effect->holds_places(); });
 }
 
+/// Lets the effects act on the rod, stage by stage.
+void act(const arm::Arm& arm, const FineRod& fine, const std::vector<Present>& effects,
+         const std::vector<Memory>& memories, const Instant& instant, const Shape* shape, rod::Rod& rod) {
+  const auto let = [&](std::size_t i) {
+    effects[i].effect->act(arm, fine, effects[i].values, instant, shape, memories[i], rod);
+  };
+  for (const Stage stage : {Stage::kPieces, Stage::kSides})
+    for (std::size_t i = 0; i < effects.size(); ++i)
+      if (effects[i].effect->stage() == stage) let(i);
+  std::vector<std::size_t> laws;
+  for (std::size_t i = 0; i < effects.size(); ++i)
+    if (effects[i].effect->stage() == Stage::kLaws) laws.push_back(i);
+  if (laws.empty()) return;
+  for (rod::Segment& piece : rod.segments) {
+    piece.unloaded_curvature_per_m = piece.rest_curvature_per_m.head<2>();
+    piece.unloaded_bending_compliance = piece.bending_compliance;
+  }
+  std::stable_sort(laws.begin(), laws.end(), [&](std::size_t a, std::size_t b) {
+    return effects[a].effect->rank() < effects[b].effect->rank();
+  });
+  for (const std::size_t i : laws) let(i);
+}
+
 }  // namespace
 
 Mesh Mesh::of(const std::vector<Present>& effects, double settled_m) {
@@ -94,10 +117,7 @@ bool InstantSolver::make(const arm::Arm& arm, const std::vector<Present>& effect
     }
     fine.actuate(arm, *predictions, *moments, out);
   }
-  for (const bool last : {false, true})
-    for (std::size_t i = 0; i < effects.size(); ++i)
-      if (effects[i].effect->acts_last() == last)
-        effects[i].effect->act(arm, fine, effects[i].values, instant, shape, memories[i], out);
+  act(arm, fine, effects, memories, instant, shape, out);
   if (const HeldPlaces places(fine, effects, memories); shape != nullptr && !places.empty())
     places.add(held != nullptr ? *held : places.forces_n(places.positions_m(out, *shape)), out);
   if (dynamics.inertia && !motion.acceleration_m_s2.empty()) {

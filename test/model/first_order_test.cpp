@@ -3,12 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "effects/body_table.h"
+#include "model/instant_solver.h"
 
 namespace softarm::model {
 namespace {
@@ -24,6 +26,7 @@ struct Answering {
   std::vector<double> values;
   std::vector<double> steps;  ///< by which these are changed one after the other; 0: not at all
   double within;              ///< of what the change does
+  bool stiffens = false;      ///< beside strain_stiffening
 };
 
 // Forces that hold places are answered exactly; at a wall of 2000 N/m a tenth of a micrometre is 0.2 mN. Laws
@@ -51,6 +54,7 @@ const std::vector<Answering>& answering() {
        kStiff},
       {"curvature_softening", "curvature_softening", {0.5, 3.0}, {0.01, 0.05}, kOfMiddles},
       {"strain_stiffening", "strain_stiffening", {5e-3}, {1e-4}, kOfMiddles},
+      {"softening_of_stiffening", "curvature_softening", {0.5, 3.0}, {0.01, 0.05}, kOfMiddles, true},
       {"one_sided_softness", "one_sided_softness", {0.3, 0.9}, {5e-3, 0.01}, kWithKinks},
   };
   return list;
@@ -58,10 +62,12 @@ const std::vector<Answering>& answering() {
 
 class FirstOrder : public ::testing::TestWithParam<Answering> {
  protected:
-  Present answering(Eigen::Index number = -1, double step = 0.0) const {
+  std::vector<Present> answering(Eigen::Index number = -1, double step = 0.0) const {
     Values values = body::values_of(GetParam().values);
     if (number >= 0) values[number] += step;
-    return body::present(GetParam().id, values);
+    std::vector<Present> list{body::present(GetParam().id, values)};
+    if (GetParam().stiffens) list.push_back(body::present("strain_stiffening", Values::Constant(1, 5e-3)));
+    return list;
   }
   /// A change of the model from `less` to `more`, with `at` in the middle between them.
   /// @return by how much it moves the bodies
@@ -105,7 +111,9 @@ TEST_P(FirstOrder, HasTheAnswerToOtherLoadsAndStrains) {
     // Masses are positive.
     const Values middle = id == "tip_mass" ? Values(2.0 * change) : Values(0.0 * change);
     const auto beside = [&](double steps) {
-      return std::vector<Present>{answering(), body::present(id, middle + steps * change)};
+      std::vector<Present> list = answering();
+      list.push_back(body::present(id, middle + steps * change));
+      return list;
     };
     EXPECT_GT(expect_known(beside(0.0), beside(-1.0), beside(1.0)), 20.0 * kPredicted_m);
   }
@@ -116,10 +124,9 @@ TEST_P(FirstOrder, HasTheAnswerToItsOwnNumbers) {
   for (std::size_t k = 0; k < GetParam().steps.size(); ++k) {
     const double step = GetParam().steps[k];
     if (step == 0.0) continue;
-    SCOPED_TRACE(answering().effect->info().parameters[k].symbol);
+    SCOPED_TRACE(answering().front().effect->info().parameters[k].symbol);
     const auto number = static_cast<Eigen::Index>(k);
-    most_m =
-        std::max(most_m, expect_known({answering()}, {answering(number, -step)}, {answering(number, step)}));
+    most_m = std::max(most_m, expect_known(answering(), answering(number, -step), answering(number, step)));
   }
   EXPECT_GT(most_m, 20.0 * kPredicted_m);
 }
@@ -141,6 +148,64 @@ TEST(ExtendedModelOrder, LawsOfPiecesActAfterWhatMakesThePieces) {
                   .lpNorm<Eigen::Infinity>(),
               1e-12);
   }
+}
+
+TEST(ExtendedModelOrder, LawsOfPiecesActInTheOrderOfTheCatalogue) {
+  const arm::Arm arm = body::shipped("online_200mm");
+  ExtendedModel model(arm);
+  const TrialData trial = body::trial_of(arm, body::various(arm));
+  const Present stiffening = body::present("strain_stiffening", Values::Constant(1, 5e-3));
+  for (const Present& other : {body::present("curvature_softening", Eigen::Vector2d(0.5, 3.0)),
+                               body::present("one_sided_softness", Eigen::Vector2d(0.3, 0.9)),
+                               body::present("mullins", Eigen::Vector3d(0.2, 0.1, 3.0))}) {
+    SCOPED_TRACE(other.effect->info().id);
+    EXPECT_LT((body::stacked(body::predict(model, arm, {stiffening, other}, trial)) -
+               body::stacked(body::predict(model, arm, {other, stiffening}, trial)))
+                  .lpNorm<Eigen::Infinity>(),
+              1e-12);
+  }
+}
+
+constexpr double kBeta_m2 = 5e-3, kSofter = 0.5, kKnee_per_m = 3.0;
+
+/// What strain_stiffening, and then curvature_softening, make of a curvature, 1/m.
+double stiffened_and_softened(double linear) {
+  double low = 0.0, high = linear;
+  for (int i = 0; i < 60; ++i) {
+    const double x = 0.5 * (low + high);
+    (x * (1.0 + kBeta_m2 * x * x) < linear ? low : high) = x;
+  }
+  const double from = low - kKnee_per_m, width = 0.25 * kKnee_per_m;
+  return low +
+         kSofter * 0.5 * (from + std::hypot(from, width) + kKnee_per_m - std::hypot(kKnee_per_m, width));
+}
+
+TEST(ExtendedModelOrder, LawsOfPiecesComposeAboutTheCurvatureWithoutALoad) {
+  arm::Arm arm = body::shipped("online_200mm");
+  for (arm::Segment& segment : arm.segments) segment.rest_curvature_per_m = {0.8, -0.5, 0.0};
+  ExtendedModel model(arm);
+  const std::vector<Predicted> path =
+      body::predict(model, arm,
+                    {body::present("curvature_softening", Eigen::Vector2d(kSofter, kKnee_per_m)),
+                     body::present("strain_stiffening", Values::Constant(1, kBeta_m2))},
+                    body::trial_of(arm, body::various(arm)));
+  InstantSolver without(arm);
+  double most_per_m = 0.0;
+  for (const Predicted& now : path) {
+    rod::Rod rod;
+    ASSERT_TRUE(without.make(arm, {}, {}, {false, 0.0}, now.instant, nullptr, {}, rod));
+    ASSERT_EQ(now.shape.middles.size(), rod.segments.size());
+    for (std::size_t j = 0; j < rod.segments.size(); ++j) {
+      const rod::Segment& piece = rod.segments[j];
+      const rod::RodState& middle = now.shape.middles[j];
+      const Eigen::Vector3d moment = middle.q.conjugate() * middle.m + piece.moment_nm;
+      const Eigen::Vector2d linear = piece.curvature_of(moment.head<2>());
+      const Eigen::Vector2d bent = stiffened_and_softened(linear.norm()) * linear.normalized();
+      EXPECT_LT((piece.rest_curvature_per_m.head<2>() + bent - middle.u.head<2>()).norm(), 1e-3);
+      most_per_m = std::max(most_per_m, bent.norm());
+    }
+  }
+  EXPECT_GT(most_per_m, kKnee_per_m);  // both do something
 }
 
 }  // namespace

@@ -40,6 +40,10 @@ struct Segment {
   /// and y, section frame), a and b these two; |(a, b)| < 1.
   Eigen::Vector2d anisotropy = Eigen::Vector2d::Zero();
   std::vector<arm::StiffnessKnot> stiffness_profile;  ///< factor on EI and GJ; fixed for a Solver
+  /// Where a model has laws by which it is not linear, so that it is their tangent at the moment that acts:
+  /// rest curvature about x and y, and bending compliance, before any of them. No solver looks at these.
+  Eigen::Vector2d unloaded_curvature_per_m = Eigen::Vector2d::Zero();
+  double unloaded_bending_compliance = 0.0;
 
   /// Curvature beyond rest, about x and y, that a moment about them (N m) makes (without the profile).
   Eigen::Vector2d curvature_of(const Eigen::Vector2d& moment) const {
