@@ -149,27 +149,33 @@ bool is_lost(JointModel& model, Standing& current, const Round& round, const Sel
              const Options& options) {
   const double length_m = model.arm().total_length_m();
   const double left_m2 = std::max(0.0, std::pow(current.unseen.total_rms_m, 2) - floor_of(model).white_m2);
-  const auto stands_in = [&](const model::Present& present, double probability, const Refitted& r,
-                             double without_m2) {
+  const auto there = [&](const model::Present& present, double probability, const Refitted& r,
+                         double without_m2) {
     const bool of_sensors = is_of_sensors_alone(present.effect->info(), is_short_delay(present));
     const double left_m = std::sqrt(std::max(0.0, without_m2));
-    return probability * is_no_stand_in(r.moved_m, left_m, length_m, of_sensors) < kPolicy.words.likely;
+    return probability * is_no_stand_in(r.moved_m, left_m, length_m, of_sensors);
   };
+  double next_there = 0.0;
   if (round.taken >= 0) {
     const Refitted& next = round.refitted[static_cast<std::size_t>(round.taken)];
-    if (!stands_in(next.fit.at.effects.back(), next.probability, next, left_m2 - next.moved_m * next.moved_m))
-      return false;
+    next_there =
+        there(next.fit.at.effects.back(), next.probability, next, left_m2 - next.moved_m * next.moved_m);
   }
+  if (next_there >= kPolicy.posterior.named) return false;
   const Doubt doubt = doubt_in(model, current, round.posterior, round.screened, options, selection);
-  std::size_t count = 0;
+  // Of two that do the same each is doubtful on the other's account, and one will stay.
+  const bool same = doing_the_same(current.fit, doubt).has_value();
+  std::size_t stand_ins = 0;
+  double none_there = 1.0;
   for (std::size_t e = 0; e < doubt.still_there.size(); ++e) {
     const Round& of = selection.rounds[selection.round_of[e]];
-    count += stands_in(current.fit.at.effects[e], doubt.still_there[e],
-                       of.refitted[static_cast<std::size_t>(of.taken)], left_m2);
+    const double own = there(current.fit.at.effects[e], doubt.still_there[e],
+                             of.refitted[static_cast<std::size_t>(of.taken)], left_m2);
+    stand_ins += own < kPolicy.words.likely;
+    none_there *= 1.0 - own;
   }
-  // Of these each is doubtful on the other's account, and one will stay.
-  if (count > 0 && doing_the_same(current.fit, doubt)) --count;
-  return count >= kPolicy.selection.most_stand_ins;
+  if (!same && none_there > kPolicy.posterior.named) return true;
+  return next_there < kPolicy.words.likely && stand_ins >= kPolicy.selection.most_stand_ins + (same ? 1 : 0);
 }
 
 Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selection& selection,

@@ -236,8 +236,8 @@ TEST(Ending, TheSearchIsNotLostWhereWhatIsNextMayBeThere) {
   };
   EXPECT_FALSE(is_lost_with(1.0, 1.5e-3));
   EXPECT_TRUE(is_lost_with(1.0, 1e-6)) << "beside so much it stands in, too";
-  EXPECT_TRUE(is_lost_with(0.05, 1.5e-3)) << "hardly there";
-  EXPECT_FALSE(is_lost_with(0.12, 2.5e-3)) << "what it takes itself is not left";
+  EXPECT_TRUE(is_lost_with(0.4, 2.5e-3)) << "it is probably not there";
+  EXPECT_FALSE(is_lost_with(0.6, 2.5e-3)) << "what it takes itself is not left";
 }
 
 TEST(Ending, OfTwoStandInsThatDoTheSameTheSearchCountsOne) {
