@@ -257,7 +257,10 @@ bool Estimator::Impl::observe(const trial::Frame& frame) {
   if (observations.size() < fewest ||
       (!ends && alone && observations.size() * 3 < arm.segments.size() * 3 + 1)) {
     fail(absurd && observations.empty() ? Status::kInvalidInput : Status::kNotEnoughBodies,
-         fmt::format("{} of {} bodies can be used{}", observations.size(), arm.bodies.size(),
+         fmt::format("{} of {} bodies can be used{}{}", observations.size(), arm.bodies.size(),
+                     ends || arm.bodies.size() > arm.segments.size()
+                         ? ""
+                         : ", and without the prior more are needed than there are segments",
                      too_far_words()));
     return false;
   }

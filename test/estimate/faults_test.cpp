@@ -129,6 +129,17 @@ TEST(MissingBodies, OneRingIsTooFew) {
             estimate::Status::kNotEnoughBodies);
 }
 
+TEST(MissingBodies, AnArmOfOneRingIsToldThatItNeedsMoreWithoutThePrior) {
+  arm::Arm arm = paper_arm();
+  arm.bodies.resize(1);
+  const trial::Frame frame = make_frame(arm, plain_truth());
+  estimate::Estimator estimator(arm, with_method(arm::Method::kFullPoints));
+  const estimate::Estimate& one = estimator.estimate(frame);
+  EXPECT_EQ(one.status, estimate::Status::kNotEnoughBodies);
+  EXPECT_EQ(one.detail,
+            "1 of 1 bodies can be used, and without the prior more are needed than there are segments");
+}
+
 TEST(MissingBodies, TheBaseIsHeldWhileLostIfTheArmSaysSo) {
   arm::Arm arm = paper_arm();
   const Truth truth = plain_truth();
