@@ -176,6 +176,19 @@ double is_no_stand_in(double part_m, double left_m, double length_m, bool of_sen
   return left_m > 0.0 ? all / (all + left_m * left_m) : 1.0;
 }
 
+void weigh_left_aside(const std::vector<Screened>& screened, double left_m, double length_m,
+                      std::vector<Candidate>& ranking) {
+  for (const Screened& s : screened) {
+    for (Candidate& candidate : ranking) {
+      const bool aside = candidate.finding == Finding::kAbsent || candidate.finding == Finding::kTrivial ||
+                         candidate.finding == Finding::kCannotTell;
+      if (aside && candidate.id == s.effect->info().id)
+        candidate.probability *= is_no_stand_in(s.leftover_m, beyond_m(left_m, s.leftover_m), length_m,
+                                                is_of_sensors_alone(s.effect->info(), false));
+    }
+  }
+}
+
 void mistake_mutually(std::vector<NamedEffect>& effects) {
   const auto has = [](const NamedEffect& effect, const std::string& id) {
     return std::find(effect.confusable_with.begin(), effect.confusable_with.end(), id) !=
@@ -270,8 +283,10 @@ void rank_as_said(Diagnosis& d) {
   const auto place = [&](const Candidate& c) {
     return std::find(said.begin(), said.end(), c.id) - said.begin();
   };
-  std::stable_sort(d.ranking.begin(), d.ranking.end(),
-                   [&](const Candidate& a, const Candidate& b) { return place(a) < place(b); });
+  std::stable_sort(d.ranking.begin(), d.ranking.end(), [&](const Candidate& a, const Candidate& b) {
+    const auto of_a = place(a), of_b = place(b);
+    return of_a != of_b ? of_a < of_b : a.probability > b.probability;
+  });
 }
 
 void add_findings(JointModel& model, const Selection& selection, bool adequate, Diagnosis& d) {
@@ -309,6 +324,7 @@ void add_findings(JointModel& model, const Selection& selection, bool adequate, 
     }
     (small ? d.small_departures : d.effects).push_back(std::move(effect));
   }
+  weigh_left_aside(selection.rounds.back().screened, left_m, model.arm().total_length_m(), d.ranking);
   std::stable_sort(d.effects.begin(), d.effects.end(),
                    [](const NamedEffect& a, const NamedEffect& b) { return a.share > b.share; });
   lead_with_what_is_known(usual, d.effects, d.small_departures);

@@ -52,6 +52,11 @@ bool is_small_share(double share, double explained_m, double length_m);
 /// the noise
 /// @param of_sensors whether it is_of_sensors_alone()
 double is_no_stand_in(double part_m, double left_m, double length_m, bool of_sensors);
+/// What is in no model may stand in for something, too: the probabilities of such candidates times that they
+/// do not.
+/// @param screened upon the model, with what each would explain of what is left
+void weigh_left_aside(const std::vector<Screened>& screened, double left_m, double length_m,
+                      std::vector<Candidate>& ranking);
 
 /// Explained is what is explained whole, by something that, with what it may be mistaken for, is more
 /// probable than not: else these trials cannot tell. Partly explained is what such effects take half of.
@@ -59,7 +64,7 @@ double is_no_stand_in(double part_m, double left_m, double length_m, bool of_sen
 Verdict verdict_of(const Diagnosis& d, bool adequate);
 
 /// Candidates in the order in which they are said: what the verdict stands on, what that may be mistaken for,
-/// the small departures and the stand-ins, all others.
+/// the small departures and the stand-ins, all others, the most probable first.
 void rank_as_said(Diagnosis& d);
 
 /// Moves what is hardly there to the stand-ins. What nobody believes is not mistaken for others: each of

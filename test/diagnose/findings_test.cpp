@@ -137,6 +137,34 @@ TEST(Findings, WhatIsLittleBesideWhatIsLeftStandsInForIt) {
   EXPECT_NEAR(of_sensor / (1 - of_sensor), kPolicy.posterior.sensors * of_arm / (1 - of_arm), 1e-9);
 }
 
+TEST(Findings, WhatIsInNoModelStandsInForWhatIsLeftAsMuchAsWhatIsInOne) {
+  constexpr double length_m = 0.3, left_m = 5e-3;
+  std::vector<Screened> screened;
+  std::vector<Candidate> ranking;
+  for (const char* id : {"hysteresis", "creep", "tether", "marker_slip"}) {
+    screened.emplace_back();
+    screened.back().effect = effects::find(id);
+    screened.back().leftover_m = 1e-3;
+    ranking.emplace_back();
+    ranking.back().id = id;
+    ranking.back().probability = 0.5;
+    ranking.back().finding = Finding::kAbsent;
+  }
+  screened[1].leftover_m = 4.9e-3;       // nearly all of it
+  ranking[2].finding = Finding::kRival;  // those are weighed with what they are rivals of
+  weigh_left_aside(screened, left_m, length_m, ranking);
+  EXPECT_LT(ranking[0].probability, 0.15);
+  EXPECT_GT(ranking[1].probability, 0.45);
+  EXPECT_EQ(ranking[2].probability, 0.5);
+  EXPECT_GT(ranking[3].probability, 1.5 * ranking[0].probability) << "one body that sits elsewhere";
+  EXPECT_LT(ranking[3].probability, 0.5);
+  Diagnosis d;
+  d.ranking = ranking;
+  rank_as_said(d);
+  EXPECT_EQ(d.ranking.front().id, "tether");
+  EXPECT_EQ(d.ranking.back().id, "hysteresis");
+}
+
 TEST(Findings, ASmallDepartureIsALittleShareAndAFewTenthsOfAMillimetre) {
   constexpr double length_m = 0.2;  // on which such come to half a millimetre
   EXPECT_TRUE(is_small_share(0.09, 1e-3, length_m));
