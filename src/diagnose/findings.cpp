@@ -183,8 +183,9 @@ void weigh_left_aside(const std::vector<Screened>& screened, double left_m, doub
       const bool aside = candidate.finding == Finding::kAbsent || candidate.finding == Finding::kTrivial ||
                          candidate.finding == Finding::kCannotTell;
       if (aside && candidate.id == s.effect->info().id)
-        candidate.probability *= is_no_stand_in(s.leftover_m, beyond_m(left_m, s.leftover_m), length_m,
-                                                is_of_sensors_alone(s.effect->info(), false));
+        candidate.probability *=
+            is_no_stand_in(s.leftover_m, beyond_m(left_m, s.leftover_m), length_m,
+                           is_of_sensors_alone(s.effect->info(), is_short_delay({s.effect, s.values})));
     }
   }
 }
