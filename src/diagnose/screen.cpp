@@ -313,6 +313,16 @@ void begin_with(std::vector<KnownSignatures::Of>& known, std::vector<Variant>& l
   }
 }
 
+/// Whether the model holds places that it did not hold when these were made: all effects then do something
+/// else.
+bool holds_more_places(const JointParameters& at, const std::vector<KnownSignatures::Of>& known) {
+  return std::any_of(at.effects.begin(), at.effects.end(), [&](const model::Present& present) {
+    return present.effect->holds_places() &&
+           std::any_of(known.begin(), known.end(),
+                       [&](const KnownSignatures::Of& of) { return of.effect == present.effect; });
+  });
+}
+
 /// Of each effect the variants that explain most by signatures of another model, without those.
 std::vector<std::size_t> made_anew(std::vector<Variant>& list, const std::vector<Screened>& judged) {
   std::vector<std::size_t> order(list.size()), chosen;
@@ -425,7 +435,7 @@ std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
                              const std::function<void(double)>& progress, KnownSignatures* known) {
   model.complete(at);
   std::vector<Variant> list = variants(model, at);
-  if (known != nullptr) begin_with(known->list, list);
+  if (known != nullptr && !holds_more_places(at.at, known->list)) begin_with(known->list, list);
   const Fits fits = fits_of(model, at);
   std::vector<Screened> judged(list.size());
   std::vector<std::size_t> which(list.size());

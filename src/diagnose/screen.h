@@ -37,8 +37,8 @@ struct KnownSignatures {
 
 /// For one fit: signatures of all effects that are not in it, orthogonal to all its unknowns.
 /// @param known of a screen of the model before: which values of a grid explain most is found by those, and
-/// only their own signatures are made anew. Becomes those of this screen; nullptr: none are, and none are
-/// kept
+/// only their own signatures are made anew. Of no use where the model holds more places since. Becomes those
+/// of this screen; nullptr: none are, and none are kept
 std::vector<Screened> screen(JointModel& model, Linearised& at, unsigned jobs,
                              const std::function<void(double)>& progress, KnownSignatures* known = nullptr);
 
