@@ -209,9 +209,10 @@ class Jackknife {
     known_ = step({at.information, at.gradient}, of_all_);
   }
   /// @param fold by trial
-  Spread over(const std::vector<std::size_t>& fold) const {
+  /// @param fewest folds that say something
+  Spread over(const std::vector<std::size_t>& fold, std::size_t fewest) const {
     const std::set<std::size_t> folds(fold.begin(), fold.end());
-    if (folds.size() < 3) return {};
+    if (folds.size() < fewest) return {};
     const Eigen::ArrayXd none = Eigen::ArrayXd::Zero(known_.size());
     // Sums over folds of what each of them alone knows, and of powers that the freedom goes by.
     Eigen::ArrayXd variance = none, own_sum = none, own_squares = none, ratios = none, pairs = none;
@@ -259,7 +260,9 @@ Spreads between_folds(const Linearised& at, const std::vector<std::size_t>& sequ
   std::vector<std::size_t> both(trials);
   for (std::size_t t = 0; t < trials; ++t) both[t] = commands[t] * trials + session[t];
   const Jackknife jackknife(at, held);
-  return {jackknife.over(commands), jackknife.over(session), jackknife.over(both)};
+  // What differs from one sequence to the only other says little of one number, and much of all together.
+  return {jackknife.over(commands, 2), jackknife.over(session, kPolicy.unseen.fewest_sessions),
+          jackknife.over(both, kPolicy.unseen.fewest_sessions)};
 }
 
 Spreads between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held) {

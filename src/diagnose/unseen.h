@@ -37,11 +37,12 @@ struct Spread {
 };
 /// A trial has a sequence and a session.
 struct Spreads {
-  Spread by_sequence, by_session, by_both;  ///< each empty where there are not three folds
+  Spread by_sequence, by_session, by_both;  ///< each empty where folds are too few
 };
 
 /// @param held unknowns that stay as they are in all fits
-/// @return of one sequence the trials count as sequences do
+/// @return of two sequences or more, and of three sessions or more; of one sequence the trials count as
+///         sequences do
 Spreads between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held);
 /// @param sequence, session by trial
 Spreads between_folds(const Linearised& at, const std::vector<std::size_t>& sequence,

@@ -157,8 +157,8 @@ TEST(BetweenFolds, WhatActsInOneTrialIsNotContradictedByTheOthers) {
   EXPECT_NEAR(between.freedom[kNumber], 1.0, 1e-6);
 }
 
-TEST(BetweenFolds, OfTwoTrialsAreNone) {
-  const testing::RecordedCase drawn = unseen_case(2);
+TEST(BetweenFolds, OfOneTrialAreNone) {
+  const testing::RecordedCase drawn = unseen_case(1);
   testing::Looked looked(drawn.arm, drawn.trials);
   const Spreads between =
       between_folds(looked.model, looked.baseline, Flags(looked.baseline.columns.size(), false));
@@ -201,13 +201,17 @@ TEST(BetweenFolds, SequencesThatCrossSessionsAreLookedAtEach) {
   EXPECT_NEAR(sessions.by_session.variance[0], 1.0 / 3.0, 1e-3);
 }
 
-TEST(BetweenFolds, TwoSequencesOrSessionsAreTooFew) {
-  const Linearised at = measured({-1, -1, 0, 0, 1, 1});
-  const Spreads sessions = between_folds(at, {0, 1, 0, 1, 0, 1}, {0, 0, 1, 1, 2, 2}, {false});
-  EXPECT_EQ(sessions.by_sequence.variance.size(), 0);
+TEST(BetweenFolds, TwoSequencesAreComparedAndTwoSessionsAreNot) {
+  const Linearised at = measured({-1, 2, -1, 2, -1, -1});
+  const Spreads spreads = between_folds(at, {0, 1, 0, 1, 0, 1}, {0, 0, 0, 1, 1, 1}, {false});
+  // The means of both are two apart: the squared error of their mean is half of that, squared.
+  EXPECT_NEAR(spreads.by_sequence.variance[0], 1.0, 1e-3);
+  EXPECT_NEAR(spreads.by_sequence.expected[0], 1.0, 1e-3);
+  EXPECT_NEAR(spreads.by_sequence.freedom[0], 1.0, 1e-9);
+  EXPECT_EQ(spreads.by_session.variance.size(), 0);
+  const Spreads sessions = between_folds(measured({-1, -1, 0, 0, 1, 1}), {0, 0, 0, 0, 0, 0},
+                                         {0, 0, 1, 1, 2, 2}, {false});
   EXPECT_NEAR(sessions.by_session.variance[0], 1.0 / 3.0, 1e-3);
-  const Spreads neither = between_folds(at, {0, 1, 0, 1, 0, 1}, {0, 0, 0, 1, 1, 1}, {false});
-  EXPECT_EQ(neither.by_sequence.variance.size() + neither.by_session.variance.size(), 0);
 }
 
 TEST(BetweenFolds, TrialsOfOneSequenceAreComparedOneByOne) {
