@@ -176,38 +176,8 @@ struct ExtendedModel::Impl : InstantSolver {
     return all;
   }
 
-  /// What held places add to derivatives of the rod that `derivatives` solved last: their forces answer. With
-  /// D of anything by the rod, D_f by their forces, C and D_x of the places by these and by the rod, K of the
-  /// forces by the places, it is D_f K (1 - C K)^-1 D_x.
-  struct Held {
-    Eigen::MatrixXd forces;  ///< wanted parameters x 3 per place: D_f = D forces
-    Eigen::MatrixXd answer;  ///< K (1 - C K)^-1
-    Eigen::MatrixXd places;  ///< D_x
-
-    Eigen::MatrixXd added_to(const Eigen::MatrixXd& by_wanted) const {
-      if (answer.size() == 0) return by_wanted;
-      return by_wanted + by_wanted * forces * (answer * places);
-    }
-  };
-  Held held_by(const HeldPlaces& places, const Shape& shape) const {
-    Held held;
-    if (places.empty()) return held;
-    const Eigen::MatrixXd shares = places.shares();
-    held.forces.setZero(static_cast<Eigen::Index>(columns.size()), places.size());
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      const rod::Parameter& parameter = fine.parameters()[static_cast<std::size_t>(columns[c])];
-      if (parameter.kind != rod::ParameterKind::kLoadForce) continue;
-      for (Eigen::Index i = 0; i < shares.cols(); ++i)
-        held.forces(static_cast<Eigen::Index>(c), 3 * i + parameter.component) =
-            shares(parameter.index - FineRod::kFirstStation, i);
-    }
-    held.places = places.positions_by(rod, shape, *derivatives, static_cast<int>(bodies.size()));
-    held.answer = places.answer_n_per_m(places.positions_m(rod, shape), held.places * held.forces);
-    return held;
-  }
-
   /// Of modes, by the parameters that are wanted, of the rod that `derivatives` solved last.
-  Eigen::MatrixXf coordinates(const Modes* modes, const Held& held) const {
+  Eigen::MatrixXf coordinates(const Modes* modes, const HeldAnswer& held) const {
     if (modes == nullptr) return {};
     Eigen::MatrixXd by =
         Eigen::MatrixXd::Zero(modes->stiffness.size(), static_cast<Eigen::Index>(columns.size()));
@@ -215,16 +185,6 @@ struct ExtendedModel::Impl : InstantSolver {
       by.noalias() += modes->project.middleCols<3>(3 * j).lazyProduct(
           derivatives->dp(static_cast<int>(bodies.size()) + j));
     return among_all(held.added_to(by));
-  }
-
-  /// By how far places move in modes.
-  static Eigen::MatrixXd places_by(const Modes& modes, const HeldPlaces& places) {
-    const Eigen::MatrixXd shares = places.shares();
-    Eigen::MatrixXd by = Eigen::MatrixXd::Zero(places.size(), modes.shape.cols());
-    for (Eigen::Index i = 0; i < shares.cols(); ++i)
-      for (Eigen::Index j = 0; j < shares.rows(); ++j)
-        if (shares(j, i) > 0.0) by.middleRows<3>(3 * i) += shares(j, i) * modes.shape.middleRows<3>(3 * j);
-    return by;
   }
 
   /// Of the rod that was made last, by the parameters that are wanted.
@@ -241,13 +201,14 @@ struct ExtendedModel::Impl : InstantSolver {
     for (const Seen& body : block.bodies)
       put(position_by_rod(bodies[static_cast<std::size_t>(body.body)], body.body, *derivatives));
     for (const SeenTangent& body : block.tangents) put(tangent_by_rod(body.body, *derivatives));
-    const Held held = held_by(places, shape);
+    const HeldAnswer held =
+        places.answer_by(rod, shape, *derivatives, static_cast<int>(bodies.size()), columns);
     ByRod by;
     by.seen = among_all(held.added_to(seen));
     by.modes_now = coordinates(now, held);
     by.modes_next = next == now ? by.modes_now : coordinates(next, held);
     if (now != nullptr && !places.empty())
-      by.held_back = (seen * held.forces * (held.answer * places_by(*now, places))).cast<float>();
+      by.held_back = (seen * held.forces * (held.answer * places.displacements(now->shape))).cast<float>();
     out.by_rod = std::make_shared<const ByRod>(std::move(by));
     return true;
   }

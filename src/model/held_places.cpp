@@ -12,6 +12,11 @@ constexpr double kPlaceFound_m = 1e-11;
 
 }  // namespace
 
+Eigen::MatrixXd HeldAnswer::added_to(const Eigen::MatrixXd& by_rod) const {
+  if (answer.size() == 0) return by_rod;
+  return by_rod + by_rod * forces * (answer * places);
+}
+
 HeldPlaces::HeldPlaces(const FineRod& fine, const std::vector<Present>& effects,
                        const std::vector<Memory>& memories)
     : fine_(fine) {
@@ -85,6 +90,33 @@ Eigen::MatrixXd HeldPlaces::shares() const {
     for (int j = 0; j < fine_.stations(); ++j)
       list(j, static_cast<Eigen::Index>(i)) = fine_.share(holding_[i].place_m, j);
   return list;
+}
+
+Eigen::MatrixXd HeldPlaces::displacements(const Eigen::MatrixXd& of_stations) const {
+  const Eigen::MatrixXd share = shares();
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(size(), of_stations.cols());
+  for (Eigen::Index i = 0; i < share.cols(); ++i)
+    for (Eigen::Index j = 0; j < share.rows(); ++j)
+      if (share(j, i) > 0.0) by.middleRows<3>(3 * i) += share(j, i) * of_stations.middleRows<3>(3 * j);
+  return by;
+}
+
+HeldAnswer HeldPlaces::answer_by(const rod::Rod& rod, const Shape& shape, const rod::Solver& solver,
+                                 int first_end, const std::vector<Eigen::Index>& columns) const {
+  HeldAnswer held;
+  if (empty()) return held;
+  const Eigen::MatrixXd share = shares();
+  held.forces.setZero(static_cast<Eigen::Index>(columns.size()), size());
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    const rod::Parameter& parameter = fine_.parameters()[static_cast<std::size_t>(columns[c])];
+    if (parameter.kind != rod::ParameterKind::kLoadForce) continue;
+    for (Eigen::Index i = 0; i < share.cols(); ++i)
+      held.forces(static_cast<Eigen::Index>(c), 3 * i + parameter.component) =
+          share(parameter.index - FineRod::kFirstStation, i);
+  }
+  held.places = positions_by(rod, shape, solver, first_end);
+  held.answer = answer_n_per_m(positions_m(rod, shape), held.places * held.forces);
+  return held;
 }
 
 Eigen::VectorXd HeldPlaces::step_n(const Eigen::VectorXd& positions_m, const Eigen::VectorXd& forces_n,
