@@ -164,18 +164,19 @@ bool is_lost(JointModel& model, Standing& current, const Round& round, const Sel
   if (next_there >= kPolicy.posterior.named) return false;
   const Doubt doubt = doubt_in(model, current, round.posterior, round.screened, options, selection);
   // Of two that do the same each is doubtful on the other's account, and one will stay.
-  const bool same = doing_the_same(current.fit, doubt).has_value();
-  std::size_t stand_ins = 0;
+  const std::optional<Pair> same = doing_the_same(current.fit, doubt);
+  std::size_t improbable = 0;
   double none_there = 1.0;
   for (std::size_t e = 0; e < doubt.still_there.size(); ++e) {
+    if (same && (e == same->first || e == same->second)) continue;
     const Round& of = selection.rounds[selection.round_of[e]];
     const double own = there(current.fit.at.effects[e], doubt.still_there[e],
                              of.refitted[static_cast<std::size_t>(of.taken)], left_m2);
-    stand_ins += own < kPolicy.words.likely;
+    if (own >= kPolicy.posterior.named) continue;
+    ++improbable;
     none_there *= 1.0 - own;
   }
-  if (!same && none_there > kPolicy.posterior.named) return true;
-  return next_there < kPolicy.words.likely && stand_ins >= kPolicy.selection.most_stand_ins + (same ? 1 : 0);
+  return improbable >= kPolicy.selection.most_stand_ins && none_there > kPolicy.posterior.named;
 }
 
 Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selection& selection,

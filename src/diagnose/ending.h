@@ -28,10 +28,9 @@ Ending end_with_what_predicts(
 /// @return whether there are such
 bool keep_one_of_two_alike(JointModel& model, Standing& current, Selection& selection);
 
-/// Whether the search is lost, with Selection::most_stand_ins effects in the model or more: it is more
-/// probable than not (Posterior::named) that none of them is there, nor what the round would take; or so many
-/// of them are hardly there (Words::likely), and the next would be as little. What nothing of the catalogue
-/// explains is taken for one after the other.
+/// Whether the search is lost: of Selection::most_stand_ins effects of the model or more, each probably not
+/// there, it is more probable than not (Posterior::named) that none is; nor is what the round would take. What
+/// nothing of the catalogue explains is taken for one after the other, also after something was found.
 /// @param round that was looked at upon the model, not yet of the selection
 bool is_lost(JointModel& model, Standing& current, const Round& round, const Selection& selection,
              const Options& options);
