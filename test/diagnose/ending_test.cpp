@@ -175,13 +175,14 @@ TEST(Ending, TheSearchIsLostWithTwoEffectsThatAreNotThere) {
       }
       Round round;
       round.refitted.resize(1);
-      round.refitted[0].moved_m = id == std::string("base_compliance") ? 1e-3 : 1e-6;
+      round.refitted[0].moved_m = id == std::string("base_compliance") ? 4e-3 : 1e-6;
       round.taken = 0;
       selection.round_of.push_back(selection.rounds.size());
       selection.rounds.push_back(std::move(round));
     }
     again.round.screened.clear();  // nothing else may be there in their place
     again.round.posterior = posterior_of(looked.model, extended.current, again.round, 0);
+    extended.current.unseen.total_rms_m = std::hypot(std::sqrt(floor_of(looked.model).white_m2), 2e-3);
     return is_lost(looked.model, extended.current, again.round, selection, {});
   };
   EXPECT_FALSE(is_lost_with({"base_compliance", "gravity_direction"}));
