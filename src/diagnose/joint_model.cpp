@@ -32,7 +32,7 @@ struct NothingRecorded : arm::RecordedInputs {
 std::vector<std::vector<bool>> unseen_without(const std::vector<std::size_t>& sequences,
                                               const std::vector<TrialData>& trials) {
   std::vector<double> session_s;
-  for (const TrialData& trial : trials) session_s.push_back(trial.session_s);
+  for (const TrialData& trial : trials) session_s.push_back(trial.series.session_s);
   return predicted_without(sequences, session_s);
 }
 

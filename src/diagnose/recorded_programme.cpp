@@ -103,9 +103,11 @@ TrialData RecordedProgramme::trial(double seconds, const Vector3d& gravity,
   TrialData data;
   data.name = "next";
   data.begin_s = base_->begin_s;
-  for (const TrialData& recorded : trials_)
-    data.session_s =
-        std::max(data.session_s, recorded.session_s + recorded.series.t_s[recorded.series.t_s.size() - 1]);
+  for (const TrialData& trial : trials_) {
+    const model::Series& recorded = trial.series;
+    data.series.session_s =
+        std::max(data.series.session_s, recorded.session_s + recorded.t_s[recorded.t_s.size() - 1]);
+  }
   const auto per_block = static_cast<std::size_t>(std::max(3.0, std::round(block_s_ * kFrames_hz)));
   const double dt_s = block_s_ / static_cast<double>(per_block);
   const auto blocks = static_cast<std::size_t>(seconds / block_s_);

@@ -267,7 +267,7 @@ Spreads between_folds(const Linearised& at, const std::vector<std::size_t>& sequ
 
 Spreads between_folds(const JointModel& model, const Linearised& at, const std::vector<bool>& held) {
   std::vector<double> session_s;
-  for (const model::TrialData& trial : model.trials()) session_s.push_back(trial.session_s);
+  for (const model::TrialData& trial : model.trials()) session_s.push_back(trial.series.session_s);
   return between_folds(at, model.sequences(), sessions_of(session_s), held);
 }
 

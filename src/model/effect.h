@@ -69,6 +69,7 @@ struct Series {
   /// What the actuation's moments follow; the same as inputs unless an effect says otherwise.
   Eigen::MatrixXd moment_inputs;
   Eigen::VectorXd payload_kg;
+  double session_s = 0.0;      ///< when t_s is 0, since the earliest trial began
   Eigen::VectorXd start = {};  ///< Present::start of the effect whose drive() is called
 };
 

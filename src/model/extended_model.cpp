@@ -90,7 +90,7 @@ struct ExtendedModel::Impl : InstantSolver {
     instant.gravity_base = block.gravity_base;
     instant.q_base_mocap = block.q_base_mocap;
     instant.base_in_mocap_m = block.base_in_mocap_m;
-    instant.session_s = trial.session_s + instant.t_s;
+    instant.session_s = series.session_s + instant.t_s;
     return instant;
   }
 

@@ -334,7 +334,7 @@ Prepared prepare(const arm::Arm& arm, const std::vector<trial::Trial>& trials, c
   }
   double earliest_s = prepared.trials.front().begin_s;
   for (const TrialData& trial : prepared.trials) earliest_s = std::min(earliest_s, trial.begin_s);
-  for (TrialData& trial : prepared.trials) trial.session_s = trial.begin_s - earliest_s;
+  for (TrialData& trial : prepared.trials) trial.series.session_s = trial.begin_s - earliest_s;
   preparing.weigh(prepared);
   return prepared;
 }

@@ -53,7 +53,6 @@ struct Block {
 struct TrialData {
   std::string name;
   double begin_s = 0.0;    ///< stamp of the first frame
-  double session_s = 0.0;  ///< that, since the earliest trial began
   std::size_t frames = 0;  ///< in which a body was seen
   Series series;           ///< of these, and of others in between
   std::vector<Block> blocks;

@@ -309,7 +309,7 @@ Errors best_of(const HiddenInBody& hidden, const std::vector<std::vector<double>
   rig::hide(hidden.choice, scenario);
   const arm::Arm arm = arm_of(hidden);
   model::TrialData trial = recorded(arm, scenario);
-  trial.session_s = scenario.session_s;
+  trial.series.session_s = scenario.session_s;
   model::ExtendedModel model(arm);
   const model::Dynamics dynamics{true, 0.02};
   Errors errors;

@@ -265,7 +265,7 @@ TEST(Drift, IsMonotoneInTheTimeOfTheSession) {
   EXPECT_NEAR(ratio(-0.06, 0.0, 0.0, 50), 1.0 - 0.06 * minutes, 1e-6);
   EXPECT_NEAR(ratio(0.0, -0.06, 0.0, 50), 1.0 / (1.0 - 0.06 * minutes), 1e-6);
   EXPECT_NEAR(ratio(-0.06, 0.0, 1.0, 50), 1.0 - 0.06 * (1.0 - std::exp(-minutes)), 1e-6);
-  trial.session_s = 600.0;
+  trial.series.session_s = 600.0;
   EXPECT_NEAR(ratio(-0.06, 0.0, 0.0, 50), 1.0 - 0.06 * (10.0 + minutes), 1e-5);
 }
 
@@ -278,7 +278,7 @@ TEST(Temperature, SwingsWithTheTimeOfTheSession) {
   values << 0.04, -0.02, 0.003, 0.002, 10.0;
   const model::Present swing{find("temperature"), values};
   for (const double session_s : {0.0, 300.0}) {
-    trial.session_s = session_s;
+    trial.series.session_s = session_s;
     const model::Predicted with = predict(model, arm(), {swing}, trial)[20];
     const double angle = 2.0 * M_PI * (session_s + with.instant.t_s) / 600.0;
     EXPECT_NEAR(curvature(with) / curvature(without[20]),

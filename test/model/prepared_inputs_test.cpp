@@ -177,9 +177,9 @@ TEST(Session, BeginsWithTheEarliestTrial) {
   const auto at = [&](double begin_s) { return trial_of(arm, frames(arm, begin_s, 1.0, still)); };
   const model::Prepared prepared = model::prepare(arm, {at(1000.0), at(400.0), at(430.0)});
   ASSERT_EQ(prepared.trials.size(), 3u);
-  EXPECT_DOUBLE_EQ(prepared.trials[0].session_s, 600.0);
-  EXPECT_DOUBLE_EQ(prepared.trials[1].session_s, 0.0);
-  EXPECT_DOUBLE_EQ(prepared.trials[2].session_s, 30.0);
+  EXPECT_DOUBLE_EQ(prepared.trials[0].series.session_s, 600.0);
+  EXPECT_DOUBLE_EQ(prepared.trials[1].series.session_s, 0.0);
+  EXPECT_DOUBLE_EQ(prepared.trials[2].series.session_s, 30.0);
 }
 
 }  // namespace
