@@ -1,32 +1,11 @@
 // The clock of the motion capture is ahead of that of the inputs: a frame shows what they did before.
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "clocks.h"
 #include "effects.h"
 
 namespace softarm::effects {
 namespace {
-
-/// Rows of values at t - shift, straight between the instants, held beyond the ends.
-Eigen::MatrixXd shifted(const Eigen::VectorXd& t, const Eigen::MatrixXd& values, double shift_s) {
-  Eigen::MatrixXd out(values.rows(), values.cols());
-  const Eigen::Index n = t.size();
-  Eigen::Index after = 0;  // first instant later than the wanted one
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double at = t[i] - shift_s;
-    while (after < n && t[after] <= at) ++after;
-    if (after == 0) {
-      out.col(i) = values.col(0);
-    } else if (after == n) {
-      out.col(i) = values.col(n - 1);
-    } else {
-      const double w = (at - t[after - 1]) / (t[after] - t[after - 1]);
-      out.col(i) = (1.0 - w) * values.col(after - 1) + w * values.col(after);
-    }
-  }
-  return out;
-}
 
 class ClockOffset : public Described {
  public:
@@ -50,12 +29,13 @@ class ClockOffset : public Described {
   bool drives() const override { return true; }
   void drive(const arm::Arm&, const Values& values, Series& series) const override {
     if (values[0] == 0.0 || series.t_s.size() == 0) return;
+    const Eigen::VectorXd at_s = series.t_s.array() - values[0];
     const auto only = static_cast<Eigen::Index>(values[1] + 0.5) - 1;
     for (Eigen::MatrixXd* inputs : {&series.inputs, &series.moment_inputs}) {
       if (only < 0)
-        *inputs = shifted(series.t_s, *inputs, values[0]);
+        *inputs = values_at(series.t_s, *inputs, at_s);
       else if (only < inputs->rows())
-        inputs->row(only) = shifted(series.t_s, inputs->row(only), values[0]);
+        inputs->row(only) = values_at(series.t_s, inputs->row(only), at_s);
     }
   }
 };
@@ -72,7 +52,7 @@ std::unique_ptr<Effect> make_clock_offset() {
       {{"offset_s", "s", "by which the motion capture's clock is ahead", -5.0, 5.0, 0.1},
        {"input", "1", "number of the input whose clock alone differs, 0: all of them", 0.0, 64.0, 0.0, true}},
       1,
-      {"pressure_lag", "hysteresis"},
+      {"pressure_lag", "hysteresis", "clock_drift"},
       {},
       false,
       true,

@@ -37,6 +37,7 @@
   EFFECT(inertia) \
   EFFECT(published_load_law) \
   EFFECT(clock_offset) \
+  EFFECT(clock_drift) \
   EFFECT(pressure_offset) \
   EFFECT(supply_sag) \
   EFFECT(pressure_lag) \

@@ -53,6 +53,8 @@ struct Info {
   bool of_clocks = false;
   /// Its first size is a delay between inputs and bodies, s: small ones act alike, however they come about.
   bool delays = false;
+  /// Its one size is the rate at which the clock of the bodies gets ahead of the inputs' over the session.
+  bool of_clock_rates = false;
 };
 
 /// A number of what a trial finds in the memory of an effect. Nobody knows it; 0 is at rest.

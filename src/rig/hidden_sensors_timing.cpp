@@ -11,6 +11,10 @@ void add_clock_offset(const HiddenChoice& choice, Scenario& scenario) {
   scenario.sensors.mocap_clock.drift += 1e-6 * choice.values.at("drift_ppm");
 }
 
+void add_clock_drift(const HiddenChoice& choice, Scenario& scenario) {
+  scenario.sensors.mocap_clock.session_drift += 1e-6 * choice.values.at("drift_ppm");
+}
+
 void add_input_clock(const HiddenChoice& choice, Scenario& scenario) {
   const InputKind kind = kind_of(choice);
   scenario.sensors.input_clocks.push_back(
@@ -46,6 +50,14 @@ std::vector<HiddenEffect> timing_effects() {
        {{"offset_s", -1e4, 1e4, -0.2, 0.2, "time by which it is ahead at the start"},
         {"drift_ppm", -1e5, 1e5, -50.0, 50.0, "microseconds per second by which it gets further ahead", 0.0}},
        add_clock_offset},
+      {"clock_drift",
+       true,
+       "the clock that stamps the mocap frames runs at another rate than the clock of the inputs and of "
+       "receipt",
+       {},
+       {{"drift_ppm", -1e5, 1e5, -200.0, 200.0,
+         "microseconds per second by which it gets further ahead, over the whole session"}},
+       add_clock_drift},
       {"input_clock",
        false,
        "the clock that stamps an input is ahead of the clock of receipt",

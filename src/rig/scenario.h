@@ -243,7 +243,7 @@ struct Scenario {
   std::string name;
   std::uint64_t seed = 1;
   double duration_s = 0.0;  ///< 0: endless (only live)
-  double session_s = 0.0;   ///< time of the session at which it begins: of its stamps, of drift, of warmth
+  double session_s = 0.0;   ///< time of the session at which it begins: of its stamps, drifts and warmth
   double gravity_m_s2 = 9.80665;  ///< along -z of the mocap frame
   ArmSpec arm;
   MountSpec mount;

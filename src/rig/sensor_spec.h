@@ -170,8 +170,9 @@ struct StampJitter {
 
 /// The clock that stamps the mocap frames less that of the inputs and of receipt.
 struct ClockOffset {
-  double offset_s = 0.0;  ///< at the start
-  double drift = 0.0;     ///< s per s
+  double offset_s = 0.0;       ///< at the start
+  double drift = 0.0;          ///< s per s of the scenario
+  double session_drift = 0.0;  ///< s per s of the session, at whose start it is nothing
 };
 
 /// Nothing of a stream is sent.

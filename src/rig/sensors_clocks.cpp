@@ -11,7 +11,8 @@ constexpr double kTick_s = 1e-6;      ///< that stamps of one sender differ at l
 
 }  // namespace
 
-MessageClock::MessageClock(const Scenario& scenario, MessageStream stream, std::size_t sender) {
+MessageClock::MessageClock(const Scenario& scenario, MessageStream stream, std::size_t sender)
+    : session_s_(scenario.session_s) {
   const SensorSpec& spec = scenario.sensors;
   if (stream == MessageStream::kMocap) clock_ = spec.mocap_clock;
   const std::size_t part = 2 * sender + (stream == MessageStream::kMocap ? 0 : 1);
@@ -40,7 +41,9 @@ Timing MessageClock::time(double sent_s) {
   receipt_s = std::max({receipt_s, stamped_s, last_receipt_s_});
   last_receipt_s_ = receipt_s;
 
-  const double offset_s = clock_ ? clock_->offset_s + clock_->drift * sent_s : 0.0;
+  const double offset_s =
+      clock_ ? clock_->offset_s + clock_->drift * sent_s + clock_->session_drift * (session_s_ + sent_s)
+             : 0.0;
   return {stamped_s + offset_s, receipt_s};
 }
 

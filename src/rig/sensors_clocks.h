@@ -34,6 +34,7 @@ class MessageClock {
   };
 
   std::optional<ClockOffset> clock_;
+  double session_s_;  ///< when the scenario begins
   std::vector<Line> lines_;
   std::vector<Jitter> jitters_;
   double last_stamp_s_ = -std::numeric_limits<double>::infinity();

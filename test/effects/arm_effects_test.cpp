@@ -61,6 +61,19 @@ TEST(ArmEffects, OneSaysHowFarTheClocksAreApart) {
   EXPECT_EQ(of_clocks, 1);
 }
 
+TEST(ArmEffects, OneSaysHowFastTheClocksDriftAndThatIsNoDelay) {
+  int of_clock_rates = 0;
+  for (const auto& effect : effects::catalogue()) {
+    const model::Info& info = effect->info();
+    if (!info.of_clock_rates) continue;
+    ++of_clock_rates;
+    EXPECT_EQ(info.sizes, 1) << info.id;
+    EXPECT_EQ(info.parameters.at(0).unit, "1") << info.id;
+    EXPECT_FALSE(info.of_clocks || info.delays) << info.id;
+  }
+  EXPECT_EQ(of_clock_rates, 1);
+}
+
 TEST(ArmEffects, WhatIsLeftOutIsUsualAndSizesAreNought) {
   const arm::Arm arm = shipped_arm("online_200mm");
   const std::vector<model::Present> list =

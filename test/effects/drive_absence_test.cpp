@@ -15,7 +15,7 @@ const std::set<std::string> kIds{
     "vacuum_shortening", "vacuum_gain",         "tendon_friction",   "creep",
     "mullins",           "jamming_memory",      "jamming_yield",     "drift",
     "temperature",       "flow_limit",          "axial_memory",      "tendon_slack",
-    "tendon_length",     "supply_sag"};
+    "tendon_length",     "supply_sag",          "clock_drift"};
 
 /// All chambers move at three speeds, the vacuum comes and goes.
 model::TrialData busy_trial(const arm::Arm& arm, double duration_s) {
@@ -142,7 +142,8 @@ TEST(DrivesAndMemory, ApplyOnlyWhereTheArmHasWhatTheyActOn) {
   EXPECT_FALSE(find("axial_memory")->applies_to(cables().arm));
   EXPECT_FALSE(find("chamber_mismatch")->applies_to(shipped_arm("single_chamber_85mm")));
   EXPECT_FALSE(find("supply_sag")->applies_to(shipped_arm("single_chamber_85mm")));
-  for (const std::string id : {"hysteresis", "creep", "mullins", "drift", "temperature", "clock_offset"}) {
+  for (const std::string id :
+       {"hysteresis", "creep", "mullins", "drift", "temperature", "clock_offset", "clock_drift"}) {
     EXPECT_TRUE(find(id)->applies_to(without) && find(id)->applies_to(with_tendons)) << id;
   }
 }

@@ -369,6 +369,53 @@ TEST(ClockOffset, ShiftsOneInputAlone) {
   }
 }
 
+TEST(ClockDrift, ShiftsAllInputsTheMoreTheLaterInTheSession) {
+  model::TrialData trial = made_up(
+      arm(), 6.0, [](double t_s) { return Eigen::Vector4d(2e3 * t_s, 9e3 - 1e3 * t_s, 5e3, 40.0 * t_s); });
+  int compared = 0;
+  for (const double session_s : {0.0, 90.0}) {
+    trial.series.session_s = session_s;
+    for (const double rate : {0.02, -0.003}) {
+      const model::Series series = driven("clock_drift", model::Values::Constant(1, rate), trial);
+      for (Eigen::Index i = 0; i < 300; ++i) {
+        // What was before the trial, or will be after it, is held.
+        const double then_s =
+            std::clamp(series.t_s[i] - rate * (session_s + series.t_s[i]), 0.0, series.t_s[299]);
+        EXPECT_NEAR(series.inputs(0, i), 2e3 * then_s, 1e-6);
+        EXPECT_NEAR(series.moment_inputs(1, i), 9e3 - 1e3 * then_s, 1e-6);
+        EXPECT_NEAR(series.inputs(2, i), 5e3, 1e-6);
+        EXPECT_NEAR(series.inputs(3, i), 40.0 * then_s, 1e-6);
+        compared += then_s > 0.0 && then_s < series.t_s[299];
+      }
+    }
+  }
+  EXPECT_GT(compared, 900);
+}
+
+TEST(ClockDrift, OfNoRateDoesNothingHoweverLate) {
+  model::TrialData trial =
+      made_up(arm(), 2.0, [](double t_s) { return Eigen::Vector4d(2e3 * t_s, 0.0, 0.0, 0.0); });
+  trial.series.session_s = 1e4;
+  const model::Series series = driven("clock_drift", model::Values::Zero(1), trial);
+  EXPECT_EQ(series.inputs, trial.series.inputs);
+  EXPECT_EQ(series.moment_inputs, trial.series.moment_inputs);
+}
+
+TEST(ClockDrift, ReachesTheInstantsOfATrial) {
+  model::ExtendedModel model(arm());
+  model::TrialData trial =
+      made_up(arm(), 3.0, [](double t_s) { return Eigen::Vector4d(2e3 * t_s, 0.0, 0.0, 0.0); });
+  trial.series.session_s = 50.0;
+  const model::Present drift{find("clock_drift"), model::Values::Constant(1, 0.01)};
+  for (const model::Predicted& now : predict(model, arm(), {drift}, trial)) {
+    EXPECT_DOUBLE_EQ(now.instant.session_s, 50.0 + now.instant.t_s);
+    if (now.instant.t_s > 0.7) {
+      EXPECT_NEAR(now.instant.inputs[kChamber1], 2e3 * (now.instant.t_s - 0.01 * now.instant.session_s),
+                  1e-6);
+    }
+  }
+}
+
 TEST(PressureDeadZone, IsFlatNearZeroPressureAndMissesAConstantBeyond) {
   const model::TrialData trial = made_up(arm(), 11.0, triangles(arm(), kChamber1, 30e3, 10.0));
   const model::Series series = driven("pressure_dead_zone", Eigen::Vector3d(3000.0, 3000.0, 0.0), trial);

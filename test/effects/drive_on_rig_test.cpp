@@ -49,6 +49,7 @@ const std::vector<Hidden>& on_chambers() {
        {1.0, 12e3, 1.5, 1.0},
        0.3},
       {"clock_offset", {"clock_offset", "", {{"offset_s", 0.1}, {"drift_ppm", 0.0}}}, {0.1, 0.0}, 0.03},
+      {"clock_drift", {"clock_drift", "", {{"drift_ppm", 2e4}}}, {0.02 / 1.02}, 0.03},
       {"input_clock", {"input_clock", "pressure", {{"number", 2}, {"offset_s", -0.2}}}, {0.2, 2.0}, 0.03},
       {"quadratic",
        {"gain_nonlinearity", "quadratic", {{"share", 0.15}, {"reference_pa", 50e3}}},
@@ -234,6 +235,34 @@ TEST(OnTheRig, CablesThatSlackenInAnotherSegmentAreMostlyThoseThatAreHeld) {
   EXPECT_GT(best_m, 0.05 * without_m) << "another law";
   RecordProperty("slackens", std::to_string(1e3 * without_m) + " mm without, " +
                                  std::to_string(1e3 * best_m) + " mm with");
+}
+
+TEST(OnTheRig, ClocksThatDriftAreFurtherApartInALaterTrial) {
+  const arm::Arm arm = shipped_arm("online_200mm");
+  constexpr double kDrift = 2e-4;
+  std::vector<trial::Trial> trials;
+  for (const double session_s : {0.0, 900.0}) {
+    rig::Scenario scenario = shipped_scenario("trial_10s");
+    make_clean(scenario);
+    scenario.session_s = session_s;
+    rig::hide({"clock_drift", "", {{"drift_ppm", 1e6 * kDrift}}}, scenario);
+    trials.push_back(recorded_trial(arm, scenario));
+  }
+  const model::Prepared prepared = model::prepare(arm, trials);
+  ASSERT_EQ(prepared.trials.size(), 2u);
+  EXPECT_NEAR(prepared.trials[1].series.session_s, 900.0 * (1.0 + kDrift), 0.05);
+  model::ExtendedModel model(arm);
+  model::Dynamics dynamics;
+  dynamics.viscoelastic_lag_s = 0.02;
+  const model::Present drift{find("clock_drift"), model::Values::Constant(1, kDrift / (1.0 + kDrift))};
+  std::vector<double> without_m, with_m;
+  for (const model::TrialData& trial : prepared.trials) {
+    without_m.push_back(rms_m(predict(model, arm, {}, trial, dynamics), trial));
+    with_m.push_back(rms_m(predict(model, arm, {drift}, trial, dynamics), trial));
+  }
+  EXPECT_GT(without_m[1], 1e-3);
+  EXPECT_GT(without_m[1], 10.0 * without_m[0]);
+  EXPECT_LT(with_m[1], 0.03 * without_m[1]);
 }
 
 TEST(OnTheRig, InputsBetweenTheirSamplesAreNotLate) {

@@ -210,7 +210,7 @@ inline rig::Scenario scenario_in_sections() {
 /// Runs the rig and records what it publishes.
 inline trial::Trial recorded_trial(const arm::Arm& arm, const rig::Scenario& scenario,
                                    const std::string& name = "rig") {
-  constexpr double kEpoch_s = 100.0;
+  const double epoch_s = 100.0 + scenario.session_s;
   rig::Simulator simulator(scenario);
   trial::FrameAssembler assembler(arm);
   const auto row = [&](const rig::InputSample& input) {
@@ -225,12 +225,12 @@ inline trial::Trial recorded_trial(const arm::Arm& arm, const rig::Scenario& sce
     return -1;
   };
   while (const auto sample = simulator.next()) {
-    if (sample->payload) assembler.add_payload(kEpoch_s + sample->payload->stamp_s, sample->payload->kg);
+    if (sample->payload) assembler.add_payload(epoch_s + sample->payload->stamp_s, sample->payload->kg);
     for (const rig::InputSample& input : sample->inputs)
-      if (row(input) >= 0) assembler.add_input(row(input), kEpoch_s + input.stamp_s, input.value);
+      if (row(input) >= 0) assembler.add_input(row(input), epoch_s + input.stamp_s, input.value);
     for (std::size_t i = 0; i < sample->bodies.size(); ++i) {
       if (sample->bodies[i])
-        assembler.add_body(static_cast<int>(i) - 1, kEpoch_s + sample->mocap_stamp_s, sample->bodies[i]->p,
+        assembler.add_body(static_cast<int>(i) - 1, epoch_s + sample->mocap_stamp_s, sample->bodies[i]->p,
                            sample->bodies[i]->q);
     }
   }

@@ -29,6 +29,17 @@ TEST(HiddenSensorsTiming, TheMocapClockIsAheadAndDrifts) {
   }
 }
 
+TEST(HiddenSensorsTiming, TheMocapClockGetsAheadOverTheWholeSession) {
+  Scenario s = quiet(3.0);
+  hide("clock_drift", {{"drift_ppm", -500.0}}, s);
+  s.session_s = 200.0;
+  for (const Sample& sample : samples_of(s)) {
+    EXPECT_NEAR(sample.mocap_stamp_s - sample.stamp_s, -500e-6 * (200.0 + sample.stamp_s), 1e-12);
+    EXPECT_EQ(sample.mocap_receipt_s, sample.stamp_s);
+    for (const InputSample& input : sample.inputs) EXPECT_EQ(input.receipt_s, input.stamp_s);
+  }
+}
+
 TEST(HiddenSensorsTiming, TheClockOfOneInputIsAhead) {
   Scenario s = quiet(2.0);
   hide("input_clock", {{"number", 2}, {"offset_s", 0.05}}, s, "pressure");

@@ -340,6 +340,11 @@ Choices clock_offset(const Numbers& v) {
                   {"offset_s", -v("offset_s")}})};
 }
 
+/// The catalogue's session goes by the clock of the bodies, the rig's by the other one.
+Choices clock_drift(const Numbers& v) {
+  return {choice("clock_drift", "", {{"drift_ppm", 1e6 * v("rate") / (1.0 - v("rate"))}})};
+}
+
 Choices rest_curvature(const Numbers& v) {
   return {choice("rest_curvature", "",
                  {{"curvature_per_m", v.size("towards_x_per_m", "towards_y_per_m")},
@@ -495,6 +500,7 @@ const std::map<std::string, Translation>& translations() {
       {"flow_limit", flow_limit},
       {"supply_sag", supply_sag},
       {"clock_offset", clock_offset},
+      {"clock_drift", clock_drift},
       {"pressure_leak", leak},
       {"pressure_offset", pressure_offset},
       {"rest_curvature", rest_curvature},
