@@ -63,26 +63,36 @@ class Hypothetical {
   std::vector<std::vector<Predicted>> predicted_;
 };
 
-/// The clock of the bodies ahead of the inputs', as a model has it.
-double clock_offset_s(const JointParameters& parameters) {
-  for (const Present& present : parameters.effects)
-    if (present.effect->info().of_clocks) return present.values[0];
-  return 0.0;
+/// The clock of the bodies ahead of the inputs' at a time of the session, s per unit of an effect's one size.
+double clock_ahead_s(const model::Info& info, double session_s) {
+  return info.of_clocks ? 1.0 : info.of_clock_rates ? session_s : 0.0;
 }
 
-/// One more measurement for a fit: of the clocks.
-void add_clock(const Linearised& truth, const Linearised& fitted, double sd_s, DifferenceSums& sums) {
+/// The same as a model has it, s.
+double clock_ahead_s(const JointParameters& parameters, double session_s) {
+  double sum_s = 0.0;
+  for (const Present& present : parameters.effects) {
+    const double by_size_s = clock_ahead_s(present.effect->info(), session_s);
+    if (by_size_s != 0.0) sum_s += by_size_s * present.values[0];
+  }
+  return sum_s;
+}
+
+/// One more measurement for a fit: of the clocks, at a time of the session.
+void add_clock(const Linearised& truth, const Linearised& fitted, double session_s, double sd_s,
+               DifferenceSums& sums) {
   VectorXd row = VectorXd::Zero(sums.gradient.size());
   Eigen::Index at = 0;
   for (const Linearised* one : {&truth, &fitted}) {
     for (const JointUnknown& c : one->columns) {
-      if (c.kind == JointUnknown::Kind::kEffect && c.parameter == 0 &&
-          one->at.effects[static_cast<std::size_t>(c.index)].effect->info().of_clocks)
-        row[at] = (one == &truth ? 1.0 : -1.0) * c.scale / sd_s;
+      if (c.kind == JointUnknown::Kind::kEffect && c.parameter == 0) {
+        const model::Info& info = one->at.effects[static_cast<std::size_t>(c.index)].effect->info();
+        row[at] = (one == &truth ? 1.0 : -1.0) * clock_ahead_s(info, session_s) * c.scale / sd_s;
+      }
       ++at;
     }
   }
-  const double difference = (clock_offset_s(truth.at) - clock_offset_s(fitted.at)) / sd_s;
+  const double difference = (clock_ahead_s(truth.at, session_s) - clock_ahead_s(fitted.at, session_s)) / sd_s;
   sums.information += row * row.transpose();
   sums.gradient -= difference * row;
   sums.square += difference * difference;
@@ -170,7 +180,8 @@ Separations weigh_apart(const JointModel& model, const JointParameters& baseline
       DifferenceSums sums = sums_between(trial.model(), there[j], there[k]);
       sums += old[j * n + k];
       if (menu[i].clock_sd_s > 0.0)
-        add_clock(explanations[j].fit, explanations[k].fit, menu[i].clock_sd_s, sums);
+        add_clock(explanations[j].fit, explanations[k].fit, menu[i].trial.series.session_s,
+                  menu[i].clock_sd_s, sums);
       return sums;
     });
   });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "effect_ids.h"
@@ -241,6 +242,30 @@ TEST(Diagnose, ClocksAQuarterOfASecondApartAreNamedAndNoSwing) {
   EXPECT_GT(named.probability, 0.9) << report::describe(d);
   EXPECT_NEAR(number_of(named, "offset_s").value, 0.25, 0.02) << report::describe(d);
   EXPECT_EQ(number_of(named, "input").value, 0.0) << "all inputs are late, not one: " << report::describe(d);
+}
+
+/// Recorded one after the other, by cameras whose clock gets ahead of the inputs' all the while.
+TEST(Diagnose, ClocksThatDriftApartOverTheSessionAreNamedWithTheirRate) {
+  constexpr double kRate = 0.003, kEvery_s = 40.0;
+  RecordedCase drifting = recorded_case("{count_weights: [1]}", 8, 4, 10.0);
+  const std::int64_t begin_ns = drifting.trials.front().frames.front().stamp_ns;
+  for (std::size_t k = 0; k < drifting.trials.size(); ++k) {
+    const std::int64_t later_ns = trial::to_nanoseconds(kEvery_s * static_cast<double>(k));
+    for (trial::InputSeries& input : drifting.trials[k].inputs) {
+      for (std::int64_t& stamp_ns : input.stamp_ns) stamp_ns += later_ns;
+    }
+    for (trial::Frame& frame : drifting.trials[k].frames) {
+      frame.stamp_ns += later_ns;
+      frame.stamp_ns += std::llround(kRate * static_cast<double>(frame.stamp_ns - begin_ns));
+    }
+  }
+  const diagnose::Diagnosis d = diagnose::diagnose(drifting.arm, drifting.trials);
+  ASSERT_FALSE(d.effects.empty()) << report::describe(d);
+  const diagnose::NamedEffect& named = d.effects.front();
+  EXPECT_EQ(named.id, "clock_drift") << report::describe(d);
+  EXPECT_GT(named.probability, 0.9) << report::describe(d);
+  EXPECT_NEAR(number_of(named, "rate").value, kRate, 2e-4) << report::describe(d);
+  EXPECT_EQ(d.verdict, diagnose::Verdict::kExplained) << report::describe(d);
 }
 
 TEST(Diagnose, WhatIsNotInTheCatalogueIsNotNamedWithConfidence) {

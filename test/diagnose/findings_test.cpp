@@ -185,6 +185,13 @@ TEST(Findings, AShortDelayOfClocksMayStandInForPhysics) {
     EXPECT_EQ(is_short_delay(clock), is_short) << offset_s;
     EXPECT_EQ(is_of_sensors_alone(clock.effect->info(), is_short_delay(clock)), !is_short) << offset_s;
   }
+  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
+    if (!effect->info().of_clock_rates) continue;
+    // A rate is no delay, however small a number it is.
+    EXPECT_FALSE(is_short_delay({effect.get(), model::Values::Constant(1, 0.002)}));
+    EXPECT_TRUE(is_of_sensors_alone(effect->info(), false));
+    EXPECT_FALSE(is_of_sensors_alone(effect->info(), true)) << "in place of a short delay";
+  }
   model::Info slipped;
   slipped.family = model::Family::kSensor;
   EXPECT_FALSE(is_of_sensors_alone(slipped, false));  // cameras that bow
