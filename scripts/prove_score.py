@@ -251,6 +251,9 @@ def true_parameters(effect, length_m):
         return {"share": 1.0, "rise_pa_per_s": v["rise_pa_per_s"]}
     if name == "clock_offset":
         return {"offset_s": v["offset_s"]}
+    if name == "clock_drift":  # the catalogue's session goes by the cameras' clock, the rig's by the other one
+        drift = 1e-6 * v["drift_ppm"]
+        return {"rate": drift / (1.0 + drift)}
     if (name, form) == ("strain_stiffening", "cubic"):
         return {"beta_m2": v["beta_m2"]}
     if (name, form) == ("pressure_offset", "pressure") and v["number"] >= 1:

@@ -151,7 +151,7 @@ def clock_drifting(kind, recordings, random):
     for one in recordings:
         delay(kind, one, body_columns(kind), lambda t: rate * t)
     return {"words": f"the cameras' clock runs {100 * rate:+.2f} % off", "size": abs(rate), "unit": "1",
-            "effects": ["clock_offset"], "parameters": {}}
+            "effects": ["clock_drift", "clock_offset"], "parameters": {"rate": rate}}
 
 
 def input_clock_shifted(kind, recordings, random):

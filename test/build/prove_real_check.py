@@ -113,6 +113,15 @@ class Changes(unittest.TestCase):
         after, _ = self.apply("pouch_one", "clock_shifted")
         self.assertLess(len(after[0].rows), len(self.plain["pouch_one"][0].rows))
 
+    def test_poses_of_a_clock_that_drifts_are_those_of_ever_longer_before(self):
+        for seed in range(4):  # of both signs
+            after, done = self.apply("trunk", "clock_drifting", seed)
+            self.assertEqual(done["effects"], ["clock_drift", "clock_offset"])
+            for row in range(300, len(after[0].rows) - 100, 200):
+                before = row - done["parameters"]["rate"] * row  # rows of 0.01 s
+                at = min(range(len(self.plain["trunk"][0].rows)), key=lambda i: abs(i - before))
+                self.assertEqual(real_changes.place(after[0].rows[row], 7), real_changes.place(self.plain["trunk"][0].rows[at], 7))
+
     def test_a_moved_body_is_as_far_off_as_is_said(self):
         for name in SETS:
             for change, symbol in (("body_moved_along", "z_m"), ("body_moved_across", "x_m")):

@@ -173,6 +173,8 @@ class Figures(unittest.TestCase):
         offset = effect("pressure_offset", {"number": 3.0, "offset_pa": 500.0}, "pressure")
         self.assertEqual(score.true_parameters(offset, 0.2), {"offset_3_pa": 500.0})
         self.assertEqual(score.true_parameters(effect("creep", {"share": 0.1, "time_s": 9.0}, "prony"), 0.2), {})
+        drift = score.true_parameters(effect("clock_drift", {"drift_ppm": -400.0}), 0.2)
+        self.assertAlmostEqual(drift["rate"], -4.0016e-4, places=8)
         for form, numbers in (("linear", {"share": 0.1}), ("", {"share": 0.1}), ("step", {})):
             self.assertEqual(score.true_parameters(effect("stiffness_taper", {"share": 0.1}, form), 0.2), numbers)
 
