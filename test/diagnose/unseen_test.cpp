@@ -209,8 +209,8 @@ TEST(BetweenFolds, TwoSequencesAreComparedAndTwoSessionsAreNot) {
   EXPECT_NEAR(spreads.by_sequence.expected[0], 1.0, 1e-3);
   EXPECT_NEAR(spreads.by_sequence.freedom[0], 1.0, 1e-9);
   EXPECT_EQ(spreads.by_session.variance.size(), 0);
-  const Spreads sessions = between_folds(measured({-1, -1, 0, 0, 1, 1}), {0, 0, 0, 0, 0, 0},
-                                         {0, 0, 1, 1, 2, 2}, {false});
+  const Spreads sessions =
+      between_folds(measured({-1, -1, 0, 0, 1, 1}), {0, 0, 0, 0, 0, 0}, {0, 0, 1, 1, 2, 2}, {false});
   EXPECT_NEAR(sessions.by_session.variance[0], 1.0 / 3.0, 1e-3);
 }
 
