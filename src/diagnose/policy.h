@@ -69,8 +69,8 @@ struct Policy {
     /// Effects in the model beyond which another is looked for only where more is left than departures of
     /// every arm come to (Words::small), or what is left is certain (Posterior::certain).
     std::size_t few_effects = 4;
-    /// With so many effects in the model of which probably none is there, nothing more is taken that would
-    /// not be there either: is_lost().
+    /// With so many effects in the model that are each probably not there, and of which probably none is,
+    /// nothing more is taken that is probably not there either: is_lost().
     std::size_t most_stand_ins = 2;
     double trivial = 1.25e-4;  ///< of the length: an effect that moves less beyond the constants is too small
     double clearly_there = 4.0;  ///< of trivial: one that moves more to first order needs no fit without it
