@@ -40,7 +40,7 @@ bool is_short_delay(const model::Present& present);
 /// physics that is missing looks like that. A short delay of clocks is not of that kind, nor what might be
 /// there in its place: valves that stick and walls that creep look like it; nor are cameras that bow, or
 /// pressures that are off.
-/// @param short_delay whether is_short_delay() what was found
+/// @param short_delay whether what was found is one, see is_short_delay()
 bool is_of_sensors_alone(const model::Info& info, bool short_delay);
 
 /// Whether an effect is little of what all explain, and of a size that departures of every arm have.

@@ -120,9 +120,9 @@ struct Policy {
     double rival = 0.1, turns = 2.0;
     /// Odds that what was found is there and no stand-in for what nothing explains: this, times what it
     /// explains and what departures of every arm come to (Words::small), over the square of what is left, all
-    /// as rms distances of a body. One body that sits elsewhere and clocks that are apart have `sensors`
-    /// times these odds: hardly any physics that is missing looks like them. Of 1036 statements about 733
-    /// cases in four worlds (doc/proof.md) such odds fit as well as free powers of both ratios.
+    /// as rms distances of a body. One body that sits elsewhere and clocks that are apart or drift apart have
+    /// `sensors` times these odds: hardly any physics that is missing looks like them. Of 1036 statements
+    /// about 733 cases in four worlds (doc/proof.md) such odds fit as well as free powers of both ratios.
     double no_stand_in = 8.0, sensors = 4.0;
     /// Factor by which a posterior's variances are usually wrong, either way, as one standard deviation of
     /// its logarithm: on real arms by tens, on simulated ones hardly. It counts where folds tell few numbers.
