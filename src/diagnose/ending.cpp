@@ -163,20 +163,23 @@ bool is_lost(JointModel& model, Standing& current, const Round& round, const Sel
   }
   if (next_there >= kPolicy.posterior.named) return false;
   const Doubt doubt = doubt_in(model, current, round.posterior, round.screened, options, selection);
-  // Of two that do the same each is doubtful on the other's account, and one will stay.
-  const std::optional<Pair> same = doing_the_same(current.fit, doubt);
-  std::size_t improbable = 0;
-  double none_there = 1.0;
+  std::vector<double> own;
   for (std::size_t e = 0; e < doubt.still_there.size(); ++e) {
-    if (same && (e == same->first || e == same->second)) continue;
     const Round& of = selection.rounds[selection.round_of[e]];
-    const double own = there(current.fit.at.effects[e], doubt.still_there[e],
-                             of.refitted[static_cast<std::size_t>(of.taken)], left_m2);
-    if (own >= kPolicy.posterior.named) continue;
-    ++improbable;
-    none_there *= 1.0 - own;
+    own.push_back(there(current.fit.at.effects[e], doubt.still_there[e],
+                        of.refitted[static_cast<std::size_t>(of.taken)], left_m2));
   }
-  return improbable >= kPolicy.selection.most_stand_ins && none_there > kPolicy.posterior.named;
+  // Of two that do the same each is doubtful on the other's account, and one will stay.
+  if (const std::optional<Pair> same = doing_the_same(current.fit, doubt)) {
+    own[same->second] = std::max(own[same->first], own[same->second]);
+    own.erase(own.begin() + static_cast<std::ptrdiff_t>(same->first));
+  }
+  // The least probable ones: one more effect that may be there does not speak for them.
+  if (own.size() < kPolicy.selection.most_stand_ins) return false;
+  std::sort(own.begin(), own.end());
+  double none_there = 1.0;
+  for (std::size_t i = 0; i < kPolicy.selection.most_stand_ins; ++i) none_there *= 1.0 - own[i];
+  return none_there > kPolicy.posterior.named;
 }
 
 Doubt doubt_in_another(JointModel& other, const Linearised& alone, const Selection& selection,

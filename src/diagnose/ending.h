@@ -28,10 +28,10 @@ Ending end_with_what_predicts(
 /// @return whether there are such
 bool keep_one_of_two_alike(JointModel& model, Standing& current, Selection& selection);
 
-/// Whether the search is lost: Selection::most_stand_ins effects of the model or more are each probably not
-/// there, it is more probable than not (Posterior::named) that none of these is, and what the round would
-/// take is probably not there either. Two that do the same are left aside. What nothing of the catalogue
-/// explains is taken for one after the other, also after something was found.
+/// Whether the search is lost: it is more probable than not (Posterior::named) that none of the
+/// Selection::most_stand_ins least probable effects of the model is there, and what the round would take is
+/// probably not there either. Two that do the same count as one. What nothing of the catalogue explains is
+/// taken for one after the other, also after something was found.
 /// @param round that was looked at upon the model, not yet of the selection
 bool is_lost(JointModel& model, Standing& current, const Round& round, const Selection& selection,
              const Options& options);

@@ -163,8 +163,7 @@ bool is_short_delay(const Present& present) {
 }
 
 bool is_of_sensors_alone(const model::Info& info, bool short_delay) {
-  const bool of_clocks = info.delays || info.of_clock_rates;
-  return info.family == model::Family::kSensor && (info.of_placement || (of_clocks && !short_delay));
+  return info.family == model::Family::kSensor && (info.of_placement || (info.delays && !short_delay));
 }
 
 bool is_small_share(double share, double explained_m, double length_m) {

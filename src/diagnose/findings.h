@@ -36,9 +36,9 @@ bool is_usual(const JointModel& model, const Linearised& at, const model::Presen
 /// A delay so short that clocks that are apart and pressures that lag are one.
 bool is_short_delay(const model::Present& present);
 
-/// Whether an effect is one body that sits elsewhere or another clock, ahead or at another rate: hardly any
-/// physics that is missing looks like that. A short delay of clocks is not of that kind, nor what might be
-/// there in its place: valves that stick and walls that creep look like it; nor are cameras that bow, or
+/// Whether an effect is one body that sits elsewhere or another clock: hardly any physics that is missing
+/// looks like that. A short delay of clocks is not of that kind: valves that stick and walls that creep look
+/// like it; nor are clocks that drift apart, which are not far apart at first; nor cameras that bow, or
 /// pressures that are off.
 /// @param short_delay whether what was found is one, see is_short_delay()
 bool is_of_sensors_alone(const model::Info& info, bool short_delay);

@@ -150,7 +150,7 @@ class JointModel {
     /// Where needs_whole_derivatives(): at the end, by differences of whole predictions.
     bool whole = true;
     Derivatives derivatives = Derivatives::kShapesHeld;  ///< by which the way there is found
-    int iterations = 6;      ///< at most, each one prediction of all trials or few
+    int iterations = 12;     ///< at most, each one prediction of all trials or few
     double tolerance = 0.1;  ///< of the step that is left, in standard deviations
     /// A linearisation nearby, the derivatives by the rod of which will do, and of a model with an effect
     /// more or less those by constants: nullptr: they are made anew. Most of the time of a fit is theirs.

@@ -69,8 +69,8 @@ struct Policy {
     /// Effects in the model beyond which another is looked for only where more is left than departures of
     /// every arm come to (Words::small), or what is left is certain (Posterior::certain).
     std::size_t few_effects = 4;
-    /// With so many effects in the model that are each probably not there, and of which probably none is,
-    /// nothing more is taken that is probably not there either: is_lost().
+    /// With so many effects in the model of which probably none is there, nothing more is taken that is
+    /// probably not there either: is_lost().
     std::size_t most_stand_ins = 2;
     double trivial = 1.25e-4;  ///< of the length: an effect that moves less beyond the constants is too small
     double clearly_there = 4.0;  ///< of trivial: one that moves more to first order needs no fit without it
@@ -120,7 +120,7 @@ struct Policy {
     double rival = 0.1, turns = 2.0;
     /// Odds that what was found is there and no stand-in for what nothing explains: this, times what it
     /// explains and what departures of every arm come to (Words::small), over the square of what is left, all
-    /// as rms distances of a body. One body that sits elsewhere and clocks that are apart or drift apart have
+    /// as rms distances of a body. One body that sits elsewhere and clocks that are apart have
     /// `sensors` times these odds: hardly any physics that is missing looks like them. Of 1036 statements
     /// about 733 cases in four worlds (doc/proof.md) such odds fit as well as free powers of both ratios.
     double no_stand_in = 8.0, sensors = 4.0;

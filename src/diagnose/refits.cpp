@@ -17,7 +17,7 @@ namespace {
 
 using model::Present;
 
-constexpr int kRefitIterations = 4, kDropIterations = 3, kFinishIterations = 8, kLastIterations = 1;
+constexpr int kRefitIterations = 4, kDropIterations = 6, kFinishIterations = 20, kLastIterations = 3;
 constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
 
 std::vector<Eigen::Index> rows_of_effect(const Linearised& at, std::size_t effect, bool sizes) {

@@ -246,7 +246,7 @@ TEST(Ending, TheSearchIsNotLostWhereWhatIsNextMayBeThere) {
   EXPECT_FALSE(is_lost_with(0.6, 2.5e-3)) << "what it takes itself is not left";
 }
 
-TEST(Ending, OfTwoStandInsThatDoTheSameTheSearchCountsNeither) {
+TEST(Ending, OfTwoStandInsThatDoTheSameTheSearchCountsOne) {
   const testing::RecordedCase drawn = testing::recorded_case("{count_weights: [1]}", 43, 3, 8.0);
   testing::Looked looked(drawn.arm, drawn.trials);
   OfTwoStandIns two(looked);

@@ -392,6 +392,16 @@ TEST(ClockDrift, ShiftsAllInputsTheMoreTheLaterInTheSession) {
   EXPECT_GT(compared, 900);
 }
 
+TEST(ClockDrift, SaysNothingOfTrialsAnHourAndMoreLater) {
+  model::TrialData trial =
+      made_up(arm(), 2.0, [](double t_s) { return Eigen::Vector4d(2e3 * t_s, 0.0, 0.0, 0.0); });
+  for (const double session_s : {100.0, 3500.0, 4000.0, 90000.0}) {
+    trial.series.session_s = session_s;
+    const model::Series series = driven("clock_drift", model::Values::Constant(1, 1e-4), trial);
+    EXPECT_EQ(series.inputs != trial.series.inputs, session_s < 3600.0) << session_s;
+  }
+}
+
 TEST(ClockDrift, OfNoRateDoesNothingHoweverLate) {
   model::TrialData trial =
       made_up(arm(), 2.0, [](double t_s) { return Eigen::Vector4d(2e3 * t_s, 0.0, 0.0, 0.0); });
