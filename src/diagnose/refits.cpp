@@ -17,7 +17,8 @@ namespace {
 
 using model::Present;
 
-constexpr int kRefitIterations = 4, kDropIterations = 6, kFinishIterations = 20, kLastIterations = 3;
+constexpr int kRefitIterations = 4, kDropIterations = 6, kFinishIterations = 20;
+constexpr int kLastIterations = 3, kLastWholeIterations = 1;  // whole derivatives cost a prediction each
 constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
 
 std::vector<Eigen::Index> rows_of_effect(const Linearised& at, std::size_t effect, bool sizes) {
@@ -75,7 +76,8 @@ void fit_from(JointModel& model, const JointParameters& from,
 /// @param begins a fit at these parameters; nullptr: none is known
 Standing settled(JointModel& model, const JointParameters& at,
                  const std::vector<std::vector<model::Predicted>>& predicted, const Linearised* begins) {
-  JointModel::FitOptions how = refit_options(kLastIterations);
+  JointModel::FitOptions how =
+      refit_options(model.needs_whole_derivatives(at) ? kLastWholeIterations : kLastIterations);
   how.derivatives = JointModel::Derivatives::kWhole;
   how.known = true;
   how.begins = begins;
