@@ -19,7 +19,7 @@ using model::Present;
 
 constexpr int kRefitIterations = 4, kDropIterations = 6, kFinishIterations = 20;
 constexpr int kLastIterations = 3, kLastWholeIterations = 1;  // whole derivatives cost a prediction each
-constexpr double kRefitTolerance = 0.2;  // of a step against the standard deviations
+constexpr double kRefitTolerance = 0.2;                       // of a step against the standard deviations
 
 std::vector<Eigen::Index> rows_of_effect(const Linearised& at, std::size_t effect, bool sizes) {
   std::vector<Eigen::Index> rows;
