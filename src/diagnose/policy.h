@@ -170,6 +170,8 @@ struct Policy {
     double session_pause_s =
         1800.0;  ///< between the beginnings of trials, from which on it is another session
     std::size_t fewest_sessions = 3;  ///< from which on a session is predicted by the others
+    /// From which on a jackknife compares them: of two it says little of one number, and much of all.
+    std::size_t fewest_sequences = 2;
     /// Share of chi^2 of unseen trials by which the model at first-order constants may differ from
     /// what the first order expects: more, and they are fitted anew.
     double first_order = 0.02;

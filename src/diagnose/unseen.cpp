@@ -260,8 +260,8 @@ Spreads between_folds(const Linearised& at, const std::vector<std::size_t>& sequ
   std::vector<std::size_t> both(trials);
   for (std::size_t t = 0; t < trials; ++t) both[t] = commands[t] * trials + session[t];
   const Jackknife jackknife(at, held);
-  // What differs from one sequence to the only other says little of one number, and much of all together.
-  return {jackknife.over(commands, 2), jackknife.over(session, kPolicy.unseen.fewest_sessions),
+  return {jackknife.over(commands, kPolicy.unseen.fewest_sequences),
+          jackknife.over(session, kPolicy.unseen.fewest_sessions),
           jackknife.over(both, kPolicy.unseen.fewest_sessions)};
 }
 
