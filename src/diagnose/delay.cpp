@@ -83,11 +83,12 @@ MatrixXd regressors(const Answer& answer, Eigen::Index first, Eigen::Index count
   std::vector<VectorXd> inputs;
   for (Eigen::Index row = 0; row < answer.spread.size(); ++row) {
     if (!(answer.spread[row] > 0.0)) continue;
-    const double late_s = delay.input == 0 || delay.input == row + 1 ? delay.offset_s : 0.0;
+    const bool is_late = delay.input == 0 || delay.input == row + 1;
     VectorXd u(count);
-    for (Eigen::Index k = 0; k < count; ++k)
-      u[k] = (at_time(*answer.series, row, answer.t_s[first + k] - late_s) - answer.middle[row]) /
-             answer.spread[row];
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const double t_s = answer.t_s[first + k], late_s = is_late ? delay.at(*answer.series, t_s) : 0.0;
+      u[k] = (at_time(*answer.series, row, t_s - late_s) - answer.middle[row]) / answer.spread[row];
+    }
     inputs.push_back(std::move(u));
   }
   std::vector<VectorXd> columns = inputs;
@@ -114,8 +115,9 @@ double left_of(const Answer& answer, Eigen::Index first, Eigen::Index count, con
 double gain_of(const Answer& answer, const Delay& delay) {
   if (answer.t_s.size() < kPolicy.delay.fewest_blocks) return 0.0;
   const VectorXd& t_s = answer.series->t_s;
-  const double from_s = t_s[0] + std::max(0.0, delay.offset_s),
-               to_s = t_s[t_s.size() - 1] + std::min(0.0, delay.offset_s);
+  const double begin_s = t_s[0], end_s = t_s[t_s.size() - 1];
+  const double from_s = begin_s + std::max(0.0, delay.at(*answer.series, begin_s)),
+               to_s = end_s + std::min(0.0, delay.at(*answer.series, end_s));
   const double* begin = answer.t_s.data();
   const double* end = begin + answer.t_s.size();
   const auto first = static_cast<Eigen::Index>(std::lower_bound(begin, end, from_s) - begin);
@@ -133,14 +135,22 @@ std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::Tr
                                 unsigned jobs) {
   std::vector<Answer> answers;
   const int outermost = outermost_of(arm);
+  double session_s = 0.0;
   for (const model::TrialData& trial : trials) {
-    if (trial.series.t_s.size() > 1) answers.push_back(answer_of(trial, outermost));
+    if (trial.series.t_s.size() <= 1) continue;
+    answers.push_back(answer_of(trial, outermost));
+    const double end_s = trial.series.session_s + trial.series.t_s[trial.series.t_s.size() - 1];
+    if (trial.series.session_s <= effects::kClocksDrift_s) session_s = std::max(session_s, end_s);
   }
   const auto inputs = static_cast<int>(arm.inputs.scalars.size());
   std::vector<Delay> delays;
   const int steps = static_cast<int>(std::lround(kPolicy.delay.longest_s / kPolicy.delay.step_s));
-  for (int input = 0; input <= (inputs > 1 ? inputs : 0); ++input)
-    for (int step = -steps; step <= steps; ++step) delays.push_back({step * kPolicy.delay.step_s, input});
+  for (int step = -steps; step <= steps; ++step) {
+    const double offset_s = step * kPolicy.delay.step_s;
+    for (int input = 0; input <= (inputs > 1 ? inputs : 0); ++input) delays.push_back({offset_s, input, 0.0});
+    if (std::abs(offset_s) <= kPolicy.delay.greatest_rate * session_s)
+      delays.push_back({0.0, 0, offset_s / session_s});
+  }
   std::vector<double> gains(delays.size(), 0.0);
   math::in_parallel(delays.size(), jobs, [&](std::size_t i) {
     for (const Answer& answer : answers) gains[i] += gain_of(answer, delays[i]);
@@ -148,7 +158,8 @@ std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::Tr
   const auto greatest = std::max_element(gains.begin(), gains.end());
   const double most = *greatest;
   const Delay best = delays[static_cast<std::size_t>(greatest - gains.begin())];
-  if (most < kPolicy.delay.least_gain || std::abs(best.offset_s) < kPolicy.delay.seen_s) return std::nullopt;
+  const double longest_s = std::abs(best.offset_s) + std::abs(best.rate) * session_s;
+  if (most < kPolicy.delay.least_gain || longest_s < kPolicy.delay.seen_s) return std::nullopt;
   return best;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "effects/clocks.h"
 #include "model/prepared_trial.h"
 
 namespace softarm::diagnose {
@@ -12,11 +13,18 @@ namespace softarm::diagnose {
 struct Delay {
   double offset_s = 0.0;  ///< the bodies' clock is ahead by so much
   int input = 0;          ///< of this input alone, its number in the arm file's list; 0: of all
+  double rate = 0.0;      ///< or gets ahead by so many seconds in each of the session's; then of all inputs
+
+  /// By how much it is ahead at an instant of a trial.
+  double at(const model::Series& series, double t_s) const {
+    return offset_s + (series.session_s > effects::kClocksDrift_s ? 0.0 : rate * (series.session_s + t_s));
+  }
 };
 
 /// In each trial by itself the place of the outermost body is regressed on the inputs, their squares and
 /// products, payload and gravity, with the inputs at other times: no model of the arm, so that a delay of
-/// seconds, about which no model is linear, is found before anything is fitted or left out.
+/// seconds, about which no model is linear, is found before anything is fitted or left out. The same with
+/// delays that grow over the session.
 /// @return the likeliest delay, where that is too long for the screen (`kPolicy.delay`): a place to begin
 ///         from, no finding
 std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials,

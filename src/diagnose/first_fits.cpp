@@ -1,6 +1,8 @@
 #include "first_fits.h"
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 #include <vector>
 
 #include "delay.h"
@@ -25,21 +27,37 @@ Linearised finished(JointModel& model, const Linearised& roughly) {
   return model.fit(roughly.at, how, &roughly.predicted);
 }
 
+bool is_of_clocks(const model::Info& info) {
+  return info.of_clocks || info.of_clock_rates;
+}
+
+/// The effect of clocks that are apart by so much.
+model::Present present_of(const Delay& delay) {
+  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
+    if (delay.rate != 0.0 && effect->info().of_clock_rates)
+      return {effect.get(), model::Values::Constant(1, delay.rate)};
+    if (delay.rate == 0.0 && effect->info().of_clocks)
+      return {effect.get(), Eigen::Vector2d(delay.offset_s, delay.input)};
+  }
+  throw std::logic_error("no effect of clocks in the catalogue");
+}
+
+/// By how much clocks are apart as an effect of them says.
+Delay delay_of(const model::Present& present) {
+  if (present.effect->info().of_clock_rates) return {0.0, 0, present.values[0]};
+  return {present.values[0], static_cast<int>(std::lround(present.values[1])), 0.0};
+}
+
 /// @return nothing where a delay is not found, is in the arm file already, or explains nothing
 std::optional<Linearised> fit_with_delay(JointModel& model, const Linearised& without) {
-  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
-    if (!effect->info().of_clocks || !effect->applies_to(model.arm())) continue;
-    const bool known =
-        std::any_of(model.known().begin(), model.known().end(),
-                    [&](const model::Present& present) { return present.effect == effect.get(); });
-    const std::optional<Delay> delay =
-        known ? std::nullopt : find_delay(model.arm(), model.trials(), model.jobs());
-    if (!delay) return std::nullopt;
-    JointParameters from = model.start();
-    from.effects.push_back({effect.get(), Eigen::Vector2d(delay->offset_s, delay->input)});
-    Linearised delayed = model.fit(from, rough_fit());
-    if (delayed.square < without.square) return delayed;
-  }
+  for (const model::Present& present : model.known())
+    if (is_of_clocks(present.effect->info())) return std::nullopt;
+  const std::optional<Delay> delay = find_delay(model.arm(), model.trials(), model.jobs());
+  if (!delay) return std::nullopt;
+  JointParameters from = model.start();
+  from.effects.push_back(present_of(*delay));
+  Linearised delayed = model.fit(from, rough_fit());
+  if (delayed.square < without.square) return delayed;
   return std::nullopt;
 }
 
@@ -50,7 +68,7 @@ FirstFits first_fits(JointModel& model, const std::function<void()>& progress) {
   Linearised& baseline = first.baseline;
   baseline = model.fit(model.start(), rough_fit());
   first.delayed = fit_with_delay(model, baseline);
-  if (first.delayed) first.ends = model.leave_out_ends(first.delayed->at.effects.back().values[0]);
+  if (first.delayed) first.ends = model.leave_out_ends(delay_of(first.delayed->at.effects.back()));
   // What is late for another reason, clocks apart for one, makes the fit find a lag that the arm has not, and
   // that would be taken for motion.
   const Linearised& moving = first.delayed ? *first.delayed : baseline;

@@ -250,15 +250,18 @@ double JointModel::sd_rad(std::size_t trial, std::size_t block, const SeenTangen
   return std::hypot(seen.white_sd_rad, 2.0 * motion_sd_m_[trial][block] / arm_.total_length_m());
 }
 
-std::size_t JointModel::leave_out_ends(double offset_s) {
+std::size_t JointModel::leave_out_ends(const Delay& delay) {
   std::size_t count = 0;
   for (std::size_t t = 0; t < trials_.size(); ++t) {
     const VectorXd& t_s = trials_[t].series.t_s;
     for (std::size_t k = 0; k < trials_[t].blocks.size(); ++k) {
       const model::Block& block = trials_[t].blocks[k];
-      const double first_s = t_s[static_cast<Eigen::Index>(block.first)] - offset_s;
-      const double last_s = t_s[static_cast<Eigen::Index>(block.last) - 1] - offset_s;
-      if ((first_s >= t_s[0] && last_s <= t_s[t_s.size() - 1]) || !used_[t][k]) continue;
+      const double first_s = t_s[static_cast<Eigen::Index>(block.first)];
+      const double last_s = t_s[static_cast<Eigen::Index>(block.last) - 1];
+      if ((first_s - delay.at(trials_[t].series, first_s) >= t_s[0] &&
+           last_s - delay.at(trials_[t].series, last_s) <= t_s[t_s.size() - 1]) ||
+          !used_[t][k])
+        continue;
       used_[t][k] = false;
       ++count;
     }

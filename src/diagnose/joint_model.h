@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "delay.h"
 #include "model/extended_model.h"
 #include "softarm/identify/identify.h"
 
@@ -200,7 +201,7 @@ class JointModel {
   /// With clocks apart the inputs of one end of each trial were not recorded: what was seen then is not
   /// compared from here on.
   /// @return how many blocks that are
-  std::size_t leave_out_ends(double offset_s);
+  std::size_t leave_out_ends(const Delay& delay);
   /// Fits and predictions are from here on of these trials alone; of none: of all again.
   void look_at(const std::vector<std::size_t>& trials);
   /// From here on the arm swings, in the modes that it has at these parameters; without, inertia counts to

@@ -33,6 +33,7 @@ struct Policy {
   /// Clocks that are apart by seconds, looked for before anything is fitted.
   struct Delay {
     double longest_s = 5.0, step_s = 0.1;  ///< either way, as far as an offset of clocks may be
+    double greatest_rate = 0.05;           ///< as far as their rates may differ
     double seen_s = 0.35;     ///< up to which the screen, linear about no delay, finds it by itself
     double least_gain = 5.0;  ///< of the log likelihood: less is not worth a fit, which decides
     long fewest_blocks = 20;  ///< of a trial, that the inputs' place in time is told by

@@ -6,10 +6,6 @@
 namespace softarm::effects {
 namespace {
 
-// From then on it says nothing of a trial: over a day even crystals are apart by seconds, by which no screen
-// that is linear about no rate finds them, and pauses are when clocks are set.
-constexpr double kLongest_s = 3600.0;
-
 class ClockDrift : public Described {
  public:
   using Described::Described;
@@ -21,7 +17,7 @@ class ClockDrift : public Described {
   }
   bool drives() const override { return true; }
   void drive(const arm::Arm&, const Values& values, Series& series) const override {
-    if (values[0] == 0.0 || series.t_s.size() == 0 || series.session_s > kLongest_s) return;
+    if (values[0] == 0.0 || series.t_s.size() == 0 || series.session_s > kClocksDrift_s) return;
     const Eigen::VectorXd at_s = series.t_s.array() - values[0] * (series.session_s + series.t_s.array());
     for (Eigen::MatrixXd* inputs : {&series.inputs, &series.moment_inputs})
       *inputs = values_at(series.t_s, *inputs, at_s);

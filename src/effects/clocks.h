@@ -5,6 +5,11 @@
 
 namespace softarm::effects {
 
+/// Trials that begin later in the session are taken as if their clocks ran alike: over a day even crystals
+/// are apart by seconds, by which no screen that is linear about no rate finds them, and pauses are when
+/// clocks are set.
+constexpr double kClocksDrift_s = 3600.0;
+
 /// Rows of values at other instants, straight between those of the series, held beyond its ends.
 /// @param t_s one per column of values, increasing
 /// @param at_s as many, increasing

@@ -27,18 +27,17 @@ using Logged = std::function<bool(rig::InputSample&)>;
 
 inline trial::Trial record(
     const arm::Arm& arm, const rig::Scenario& scenario, const std::string& name,
-    const Logged& logged = [](rig::InputSample&) { return true; }) {
-  constexpr double kBegin_s = 100.0;
+    const Logged& logged = [](rig::InputSample&) { return true; }, double begin_s = 100.0) {
   rig::Simulator simulator(scenario);
   trial::FrameAssembler assembler(arm);
   while (const auto sample = simulator.next()) {
-    if (sample->payload) assembler.add_payload(kBegin_s + sample->payload->stamp_s, sample->payload->kg);
+    if (sample->payload) assembler.add_payload(begin_s + sample->payload->stamp_s, sample->payload->kg);
     for (rig::InputSample input : sample->inputs) {
-      if (logged(input)) assembler.add_input(input.number, kBegin_s + input.stamp_s, input.value);
+      if (logged(input)) assembler.add_input(input.number, begin_s + input.stamp_s, input.value);
     }
     for (std::size_t i = 0; i < sample->bodies.size(); ++i) {
       if (sample->bodies[i])
-        assembler.add_body(static_cast<int>(i) - 1, kBegin_s + sample->mocap_stamp_s, sample->bodies[i]->p,
+        assembler.add_body(static_cast<int>(i) - 1, begin_s + sample->mocap_stamp_s, sample->bodies[i]->p,
                            sample->bodies[i]->q);
     }
   }
