@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "math/linear_algebra.h"
 #include "math/parallel.h"
@@ -129,36 +130,117 @@ double gain_of(const Answer& answer, const Delay& delay) {
   return 0.5 * 3.0 * stretches * std::log(before / after);
 }
 
+/// What is recorded, and how far apart delays of all inputs are that are compared.
+struct Recorded {
+  std::vector<Answer> answers;
+  double session_s = 0.0;  ///< as long as clocks drift
+  unsigned jobs = 1;
+
+  double rate_step() const { return kPolicy.delay.step_s / session_s; }
+};
+
+Recorded recorded(const arm::Arm& arm, const std::vector<model::TrialData>& trials, unsigned jobs) {
+  Recorded all;
+  all.jobs = jobs;
+  const int outermost = outermost_of(arm);
+  for (const model::TrialData& trial : trials) {
+    const model::Series& series = trial.series;
+    if (series.t_s.size() <= 1) continue;
+    all.answers.push_back(answer_of(trial, outermost));
+    if (series.session_s <= effects::kClocksDrift_s)
+      all.session_s = std::max(all.session_s, series.session_s + series.t_s[series.t_s.size() - 1]);
+  }
+  return all;
+}
+
+double gain_of(const Recorded& all, const Delay& delay) {
+  double sum = 0.0;
+  for (const Answer& answer : all.answers) sum += gain_of(answer, delay);
+  return sum;
+}
+
+/// The likeliest delay that grows over the session, about: as if it grew between the trials alone.
+/// @param gains of each step of a delay of all inputs in each trial, steps x trials, the middle one of none
+Delay roughly_growing(const Recorded& all, const MatrixXd& gains) {
+  const Eigen::Index none = gains.rows() / 2;
+  Delay best;
+  double most = 0.0;
+  for (Eigen::Index slope = -none; slope <= none; ++slope) {
+    const double rate = static_cast<double>(slope) * all.rate_step();
+    if (slope == 0 || std::abs(rate) > kPolicy.delay.greatest_rate) continue;
+    for (Eigen::Index step = -none; step <= none; ++step) {
+      const Delay delay{static_cast<double>(step) * kPolicy.delay.step_s, 0, rate};
+      double sum = 0.0;
+      for (std::size_t i = 0; i < all.answers.size(); ++i) {
+        const model::Series& series = *all.answers[i].series;
+        const double late_s = delay.at(series, 0.5 * (series.t_s[0] + series.t_s[series.t_s.size() - 1]));
+        const Eigen::Index row = none + std::lround(late_s / kPolicy.delay.step_s);
+        if (row >= 0 && row < gains.rows()) sum += gains(row, static_cast<Eigen::Index>(i));
+      }
+      if (sum > most) {
+        most = sum;
+        best = delay;
+      }
+    }
+  }
+  return best;
+}
+
+/// The same, and by how much the log likelihood rises: step by step uphill from there.
+std::pair<Delay, double> growing(const Recorded& all, const MatrixXd& gains) {
+  Delay best = roughly_growing(all, gains);
+  double most = gain_of(all, best);
+  for (bool moved = best.rate != 0.0; moved;) {
+    moved = false;
+    std::vector<Delay> around;
+    for (int step = -1; step <= 1; ++step) {
+      for (int slope = -1; slope <= 1; ++slope) {
+        const Delay next{best.offset_s + step * kPolicy.delay.step_s, 0, best.rate + slope * all.rate_step()};
+        if (std::abs(next.rate) <= kPolicy.delay.greatest_rate &&
+            std::abs(next.offset_s) <= kPolicy.delay.longest_s)
+          around.push_back(next);
+      }
+    }
+    std::vector<double> here(around.size(), 0.0);
+    math::in_parallel(around.size(), all.jobs, [&](std::size_t i) { here[i] = gain_of(all, around[i]); });
+    const auto greatest = std::max_element(here.begin(), here.end());
+    if (*greatest > most) {
+      most = *greatest;
+      best = around[static_cast<std::size_t>(greatest - here.begin())];
+      moved = true;
+    }
+  }
+  return {best, most};
+}
+
 }  // namespace
 
 std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials,
                                 unsigned jobs) {
-  std::vector<Answer> answers;
-  const int outermost = outermost_of(arm);
-  double session_s = 0.0;
-  for (const model::TrialData& trial : trials) {
-    if (trial.series.t_s.size() <= 1) continue;
-    answers.push_back(answer_of(trial, outermost));
-    const double end_s = trial.series.session_s + trial.series.t_s[trial.series.t_s.size() - 1];
-    if (trial.series.session_s <= effects::kClocksDrift_s) session_s = std::max(session_s, end_s);
+  const Recorded all = recorded(arm, trials, jobs);
+  const auto inputs = static_cast<Eigen::Index>(arm.inputs.scalars.size());
+  const auto most_steps = static_cast<int>(std::lround(kPolicy.delay.longest_s / kPolicy.delay.step_s));
+  std::vector<Delay> delays;  // first those of all inputs
+  for (int input = 0; input <= (inputs > 1 ? inputs : 0); ++input) {
+    for (int step = -most_steps; step <= most_steps; ++step)
+      delays.push_back({step * kPolicy.delay.step_s, input, 0.0});
   }
-  const auto inputs = static_cast<int>(arm.inputs.scalars.size());
-  std::vector<Delay> delays;
-  const int steps = static_cast<int>(std::lround(kPolicy.delay.longest_s / kPolicy.delay.step_s));
-  for (int step = -steps; step <= steps; ++step) {
-    const double offset_s = step * kPolicy.delay.step_s;
-    for (int input = 0; input <= (inputs > 1 ? inputs : 0); ++input) delays.push_back({offset_s, input, 0.0});
-    if (std::abs(offset_s) <= kPolicy.delay.greatest_rate * session_s)
-      delays.push_back({0.0, 0, offset_s / session_s});
-  }
-  std::vector<double> gains(delays.size(), 0.0);
+  MatrixXd gains(static_cast<Eigen::Index>(delays.size()), static_cast<Eigen::Index>(all.answers.size()));
   math::in_parallel(delays.size(), jobs, [&](std::size_t i) {
-    for (const Answer& answer : answers) gains[i] += gain_of(answer, delays[i]);
+    for (std::size_t k = 0; k < all.answers.size(); ++k)
+      gains(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = gain_of(all.answers[k], delays[i]);
   });
-  const auto greatest = std::max_element(gains.begin(), gains.end());
-  const double most = *greatest;
-  const Delay best = delays[static_cast<std::size_t>(greatest - gains.begin())];
-  const double longest_s = std::abs(best.offset_s) + std::abs(best.rate) * session_s;
+  Eigen::Index row = 0;
+  const VectorXd sums = gains.rowwise().sum();
+  double most = sums.maxCoeff(&row);
+  Delay best = delays[static_cast<std::size_t>(row)];
+  const auto [drifting, with_rate] = growing(all, gains.topRows(2 * most_steps + 1));
+  if (with_rate > most + kPolicy.delay.least_gain) {
+    most = with_rate;
+    best = drifting;
+  }
+  const double longest_s =
+      std::max(std::abs(best.offset_s), std::abs(best.offset_s + best.rate * all.session_s));
   if (most < kPolicy.delay.least_gain || longest_s < kPolicy.delay.seen_s) return std::nullopt;
   return best;
 }

@@ -35,7 +35,7 @@ bool is_of_clocks(const model::Info& info) {
 model::Present present_of(const Delay& delay) {
   for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
     if (delay.rate != 0.0 && effect->info().of_clock_rates)
-      return {effect.get(), model::Values::Constant(1, delay.rate)};
+      return {effect.get(), Eigen::Vector2d(delay.rate, delay.offset_s)};
     if (delay.rate == 0.0 && effect->info().of_clocks)
       return {effect.get(), Eigen::Vector2d(delay.offset_s, delay.input)};
   }
@@ -44,7 +44,7 @@ model::Present present_of(const Delay& delay) {
 
 /// By how much clocks are apart as an effect of them says.
 Delay delay_of(const model::Present& present) {
-  if (present.effect->info().of_clock_rates) return {0.0, 0, present.values[0]};
+  if (present.effect->info().of_clock_rates) return {present.values[1], 0, present.values[0]};
   return {present.values[0], static_cast<int>(std::lround(present.values[1])), 0.0};
 }
 

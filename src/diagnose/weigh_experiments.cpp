@@ -63,17 +63,21 @@ class Hypothetical {
   std::vector<std::vector<Predicted>> predicted_;
 };
 
-/// The clock of the bodies ahead of the inputs' at a time of the session, s per unit of an effect's one size.
-double clock_ahead_s(const model::Info& info, double session_s) {
-  return info.of_clocks ? 1.0 : info.of_clock_rates ? session_s : 0.0;
+/// The clock of the bodies ahead of the inputs' at a time of the session, s per unit of an effect's size.
+double clock_ahead_s(const model::Info& info, int size, double session_s) {
+  if (info.of_clock_rates) return size == 0 ? session_s : 1.0;
+  return info.of_clocks ? 1.0 : 0.0;
 }
 
 /// The same as a model has it, s.
 double clock_ahead_s(const JointParameters& parameters, double session_s) {
   double sum_s = 0.0;
   for (const Present& present : parameters.effects) {
-    const double by_size_s = clock_ahead_s(present.effect->info(), session_s);
-    if (by_size_s != 0.0) sum_s += by_size_s * present.values[0];
+    const model::Info& info = present.effect->info();
+    for (int size = 0; size < info.sizes; ++size) {
+      const double by_size_s = clock_ahead_s(info, size, session_s);
+      if (by_size_s != 0.0) sum_s += by_size_s * present.values[size];
+    }
   }
   return sum_s;
 }
@@ -85,9 +89,11 @@ void add_clock(const Linearised& truth, const Linearised& fitted, double session
   Eigen::Index at = 0;
   for (const Linearised* one : {&truth, &fitted}) {
     for (const JointUnknown& c : one->columns) {
-      if (c.kind == JointUnknown::Kind::kEffect && c.parameter == 0) {
+      if (c.kind == JointUnknown::Kind::kEffect) {
         const model::Info& info = one->at.effects[static_cast<std::size_t>(c.index)].effect->info();
-        row[at] = (one == &truth ? 1.0 : -1.0) * clock_ahead_s(info, session_s) * c.scale / sd_s;
+        if (c.parameter < info.sizes)
+          row[at] =
+              (one == &truth ? 1.0 : -1.0) * clock_ahead_s(info, c.parameter, session_s) * c.scale / sd_s;
       }
       ++at;
     }

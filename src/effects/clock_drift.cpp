@@ -1,5 +1,5 @@
 // The clocks of motion capture and inputs run at different rates: over the session a frame shows what the
-// inputs did longer and longer before.
+// inputs did longer and longer before. They need not have been alike when it began.
 #include "clocks.h"
 #include "effects.h"
 
@@ -17,8 +17,9 @@ class ClockDrift : public Described {
   }
   bool drives() const override { return true; }
   void drive(const arm::Arm&, const Values& values, Series& series) const override {
-    if (values[0] == 0.0 || series.t_s.size() == 0 || series.session_s > kClocksDrift_s) return;
-    const Eigen::VectorXd at_s = series.t_s.array() - values[0] * (series.session_s + series.t_s.array());
+    if (values.isZero(0.0) || series.t_s.size() == 0 || series.session_s > kClocksDrift_s) return;
+    const Eigen::VectorXd at_s =
+        series.t_s.array() - values[1] - values[0] * (series.session_s + series.t_s.array());
     for (Eigen::MatrixXd* inputs : {&series.inputs, &series.moment_inputs})
       *inputs = values_at(series.t_s, *inputs, at_s);
   }
@@ -30,13 +31,14 @@ std::unique_ptr<Effect> make_clock_drift() {
   return std::make_unique<ClockDrift>(
       Info{"clock_drift",
            "the clocks of motion capture and inputs run at different rates",
-           "pose(t) shows what inputs(t - rate T) did, T the session's time, in its first hour",
+           "pose(t) shows what inputs(t - offset - rate T) did, T the session's time, in its first hour",
            "offsets of clocks, here at a constant rate: P. Furgale, J. Rehder, R. Siegwart, IROS 2013, "
            "doi:10.1109/IROS.2013.6696514",
            Family::kSensor,
            {{"rate", "1", "seconds per second by which the motion capture's clock gets further ahead", -0.05,
-             0.05, 0.002}},
-           1,
+             0.05, 0.002},
+            {"offset_s", "s", "by which it is ahead when the session begins", -5.0, 5.0, 0.1}},
+           2,
            {"clock_offset", "pressure_lag", "drift"},
            {},
            false,

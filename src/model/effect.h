@@ -53,7 +53,8 @@ struct Info {
   bool of_clocks = false;
   /// Its first size is a delay between inputs and bodies, s: small ones act alike, however they come about.
   bool delays = false;
-  /// Its one size is the rate at which the clock of the bodies gets ahead of the inputs' over the session.
+  /// Its sizes are the rate at which the clock of the bodies gets ahead of the inputs' over the session, and
+  /// by how much it is when the session begins, s.
   bool of_clock_rates = false;
 };
 

@@ -63,6 +63,7 @@ TEST_P(Delays, AreNamedWithTheirSize) {
   if (delay.rate != 0.0) {
     EXPECT_EQ(first.id, "clock_drift") << report::describe(d);
     EXPECT_NEAR(first.parameters.at(0).value, delay.rate, 0.001) << report::describe(d);
+    EXPECT_NEAR(first.parameters.at(1).value, delay.offset_s, 0.03) << report::describe(d);
   } else {
     EXPECT_EQ(first.id, "clock_offset") << report::describe(d);
     EXPECT_NEAR(first.parameters.at(0).value, delay.offset_s, 0.02) << report::describe(d);
@@ -75,7 +76,8 @@ TEST_P(Delays, AreNamedWithTheirSize) {
 INSTANTIATE_TEST_SUITE_P(Clocks, Delays,
                          ::testing::Values(Case{"two_seconds_late", {2.0, 0, 0.0}},
                                            Case{"early", {-1.2, 0, 0.0}}, Case{"one_input", {0.9, 2, 0.0}},
-                                           Case{"later_and_later", {0.0, 0, 0.03}}),
+                                           Case{"later_and_later", {0.0, 0, 0.03}},
+                                           Case{"early_and_less_so", {-1.0, 0, 0.02}}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 TEST(NoDelay, IsFoundWhereThereIsNone) {

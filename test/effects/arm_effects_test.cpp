@@ -67,8 +67,9 @@ TEST(ArmEffects, OneSaysHowFastTheClocksDriftAndThatIsNoDelay) {
     const model::Info& info = effect->info();
     if (!info.of_clock_rates) continue;
     ++of_clock_rates;
-    EXPECT_EQ(info.sizes, 1) << info.id;
+    EXPECT_EQ(info.sizes, 2) << info.id;
     EXPECT_EQ(info.parameters.at(0).unit, "1") << info.id;
+    EXPECT_EQ(info.parameters.at(1).unit, "s") << info.id;
     EXPECT_FALSE(info.of_clocks || info.delays) << info.id;
   }
   EXPECT_EQ(of_clock_rates, 1);

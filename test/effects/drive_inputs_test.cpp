@@ -375,12 +375,12 @@ TEST(ClockDrift, ShiftsAllInputsTheMoreTheLaterInTheSession) {
   int compared = 0;
   for (const double session_s : {0.0, 90.0}) {
     trial.series.session_s = session_s;
-    for (const double rate : {0.02, -0.003}) {
-      const model::Series series = driven("clock_drift", model::Values::Constant(1, rate), trial);
+    for (const auto& [rate, offset_s] : {std::pair(0.02, 0.0), std::pair(-0.003, 0.4)}) {
+      const model::Series series = driven("clock_drift", Eigen::Vector2d(rate, offset_s), trial);
       for (Eigen::Index i = 0; i < 300; ++i) {
         // What was before the trial, or will be after it, is held.
         const double then_s =
-            std::clamp(series.t_s[i] - rate * (session_s + series.t_s[i]), 0.0, series.t_s[299]);
+            std::clamp(series.t_s[i] - offset_s - rate * (session_s + series.t_s[i]), 0.0, series.t_s[299]);
         EXPECT_NEAR(series.inputs(0, i), 2e3 * then_s, 1e-6);
         EXPECT_NEAR(series.moment_inputs(1, i), 9e3 - 1e3 * then_s, 1e-6);
         EXPECT_NEAR(series.inputs(2, i), 5e3, 1e-6);
@@ -397,7 +397,7 @@ TEST(ClockDrift, SaysNothingOfTrialsAnHourAndMoreLater) {
       made_up(arm(), 2.0, [](double t_s) { return Eigen::Vector4d(2e3 * t_s, 0.0, 0.0, 0.0); });
   for (const double session_s : {100.0, 3500.0, 4000.0, 90000.0}) {
     trial.series.session_s = session_s;
-    const model::Series series = driven("clock_drift", model::Values::Constant(1, 1e-4), trial);
+    const model::Series series = driven("clock_drift", Eigen::Vector2d(1e-4, 0.0), trial);
     EXPECT_EQ(series.inputs != trial.series.inputs, session_s < 3600.0) << session_s;
   }
 }
@@ -406,7 +406,7 @@ TEST(ClockDrift, OfNoRateDoesNothingHoweverLate) {
   model::TrialData trial =
       made_up(arm(), 2.0, [](double t_s) { return Eigen::Vector4d(2e3 * t_s, 0.0, 0.0, 0.0); });
   trial.series.session_s = 1e4;
-  const model::Series series = driven("clock_drift", model::Values::Zero(1), trial);
+  const model::Series series = driven("clock_drift", model::Values::Zero(2), trial);
   EXPECT_EQ(series.inputs, trial.series.inputs);
   EXPECT_EQ(series.moment_inputs, trial.series.moment_inputs);
 }
@@ -416,7 +416,7 @@ TEST(ClockDrift, ReachesTheInstantsOfATrial) {
   model::TrialData trial =
       made_up(arm(), 3.0, [](double t_s) { return Eigen::Vector4d(2e3 * t_s, 0.0, 0.0, 0.0); });
   trial.series.session_s = 50.0;
-  const model::Present drift{find("clock_drift"), model::Values::Constant(1, 0.01)};
+  const model::Present drift{find("clock_drift"), Eigen::Vector2d(0.01, 0.0)};
   for (const model::Predicted& now : predict(model, arm(), {drift}, trial)) {
     EXPECT_DOUBLE_EQ(now.instant.session_s, 50.0 + now.instant.t_s);
     if (now.instant.t_s > 0.7) {

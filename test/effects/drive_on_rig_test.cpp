@@ -49,7 +49,7 @@ const std::vector<Hidden>& on_chambers() {
        {1.0, 12e3, 1.5, 1.0},
        0.3},
       {"clock_offset", {"clock_offset", "", {{"offset_s", 0.1}, {"drift_ppm", 0.0}}}, {0.1, 0.0}, 0.03},
-      {"clock_drift", {"clock_drift", "", {{"drift_ppm", 2e4}}}, {0.02 / 1.02}, 0.03},
+      {"clock_drift", {"clock_drift", "", {{"drift_ppm", 2e4}}}, {0.02 / 1.02, 0.0}, 0.03},
       {"input_clock", {"input_clock", "pressure", {{"number", 2}, {"offset_s", -0.2}}}, {0.2, 2.0}, 0.03},
       {"quadratic",
        {"gain_nonlinearity", "quadratic", {{"share", 0.15}, {"reference_pa", 50e3}}},
@@ -254,7 +254,7 @@ TEST(OnTheRig, ClocksThatDriftAreFurtherApartInALaterTrial) {
   model::ExtendedModel model(arm);
   model::Dynamics dynamics;
   dynamics.viscoelastic_lag_s = 0.02;
-  const model::Present drift{find("clock_drift"), model::Values::Constant(1, kDrift / (1.0 + kDrift))};
+  const model::Present drift{find("clock_drift"), Eigen::Vector2d(kDrift / (1.0 + kDrift), 0.0)};
   std::vector<double> without_m, with_m;
   for (const model::TrialData& trial : prepared.trials) {
     without_m.push_back(rms_m(predict(model, arm, {}, trial, dynamics), trial));

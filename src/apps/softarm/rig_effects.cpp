@@ -342,7 +342,9 @@ Choices clock_offset(const Numbers& v) {
 
 /// The catalogue's session goes by the clock of the bodies, the rig's by the other one.
 Choices clock_drift(const Numbers& v) {
-  return {choice("clock_drift", "", {{"drift_ppm", 1e6 * v("rate") / (1.0 - v("rate"))}})};
+  Choices choices{choice("clock_drift", "", {{"drift_ppm", 1e6 * v("rate") / (1.0 - v("rate"))}})};
+  if (v("offset_s") != 0.0) choices.push_back(choice("clock_offset", "", {{"offset_s", v("offset_s")}}));
+  return choices;
 }
 
 Choices rest_curvature(const Numbers& v) {
