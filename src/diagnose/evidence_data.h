@@ -21,7 +21,7 @@ struct Signature {
   double log_weight = 0.0;  ///< of an unknown at an end of its range: share of what was possible beforehand
   /// Of an effect: of how many chambers, bodies or kinds (all that its numbers count) it might be, each as
   /// probable beforehand. It is looked for in all of them, and the one that suits the data best is in the
-  /// model.
+  /// model. Of two things at once, the odds of the second.
   double log_choices = 0.0;
 };
 

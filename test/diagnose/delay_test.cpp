@@ -59,7 +59,7 @@ TEST_P(Delays, AreNamedWithTheirSize) {
   const Diagnosis d = diagnose(recorded.arm, recorded.trials);
   ASSERT_FALSE(d.effects.empty()) << report::describe(d);
   const NamedEffect& first = d.effects.front();
-  EXPECT_GT(first.probability, 0.9);
+  EXPECT_GT(first.probability, 0.9) << report::describe(d);
   if (delay.rate != 0.0) {
     EXPECT_EQ(first.id, "clock_drift") << report::describe(d);
     EXPECT_NEAR(first.parameters.at(0).value, delay.rate, 0.001) << report::describe(d);
