@@ -36,8 +36,9 @@ def decision_of_report(report):
     if report is None:
         return {"verdict": "failed", "named": [], "ranking": [], "findings": {}}
     names = [key for key in prove_real_score.BEFORE_ALL if key in report]
+    before = [{"name": name, "probability": report[name].get("probability", 1.0), "parameters": {}} for name in names]
     return {"verdict": report["verdict"],
-            "named": [{"name": name, "probability": 1.0, "parameters": {}} for name in names] + named_in(report),
+            "named": before + named_in(report),
             "ranking": names + [c["name"] for c in report["ranking"]],
             "findings": {c["name"]: c.get("finding") for c in report["ranking"]}}
 

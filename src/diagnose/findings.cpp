@@ -146,12 +146,11 @@ double of_it_or_a_rival(const Diagnosis& d, const NamedEffect& effect) {
   return 1.0 - neither;
 }
 
-/// Root of the difference of two squares, and 0 where the second is larger.
+}  // namespace
+
 double beyond_m(double whole_m, double part_m) {
   return std::sqrt(std::max(0.0, whole_m * whole_m - part_m * part_m));
 }
-
-}  // namespace
 
 bool is_usual(const JointModel& model, const Linearised& at, const Present& present) {
   return is_weighed_well(present) || is_placed_well(model.arm(), present) ||

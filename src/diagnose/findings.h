@@ -48,6 +48,9 @@ bool is_of_sensors_alone(const model::Info& info, bool short_delay);
 /// @param explained_m rms distance of a body that all explain
 bool is_small_share(double share, double explained_m, double length_m);
 
+/// Root of the difference of two squares, and 0 where the second is larger.
+double beyond_m(double whole_m, double part_m);
+
 /// Probability that what was found is no stand-in for what nothing explains: something that no effect of the
 /// catalogue makes looks like several that do.
 /// @param part_m, left_m rms distances of a body on unseen trials: what it explains, and what is left beyond

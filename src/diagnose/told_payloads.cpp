@@ -98,7 +98,7 @@ ToldPayloads told_payloads(const std::vector<OtherPayload>& payloads,
   return told;
 }
 
-std::string sentence_of(const ToldPayloads& payloads) {
+std::string found_instead(const ToldPayloads& payloads) {
   std::vector<std::pair<std::string, std::vector<std::string>>> alike;
   for (const ToldPayload& one : payloads.trials) {
     const std::string what = what_hung(one);
@@ -111,9 +111,14 @@ std::string sentence_of(const ToldPayloads& payloads) {
   for (const auto& [what, trials] : alike) said.push_back("in " + one_of(trials, "and") + what);
   return fmt::format(
       "{}. With these payloads, unseen trials are predicted to {} on average; with the stated ones, to {}. "
-      "Correct the stated payloads first; what follows holds for the payloads that were found.",
+      "Probability: {}.",
       capitalised(fmt::format("{}", fmt::join(said, "; "))), millimetres(payloads.mean_m),
-      millimetres(payloads.as_told_mean_m));
+      millimetres(payloads.as_told_mean_m), percent(payloads.probability));
+}
+
+std::string sentence_of(const ToldPayloads& payloads) {
+  return found_instead(payloads) +
+         " Correct the stated payloads first; what follows holds for the payloads that were found.";
 }
 
 }  // namespace softarm::diagnose

@@ -17,7 +17,10 @@ std::vector<model::TrialData> under(const std::vector<OtherPayload>& payloads,
 ToldPayloads told_payloads(const std::vector<OtherPayload>& payloads,
                            const std::vector<model::TrialData>& trials);
 
-/// In a few sentences.
+/// In a few sentences: what hung there, and how sure that is.
+std::string found_instead(const ToldPayloads& payloads);
+
+/// The same, and what is to be done.
 std::string sentence_of(const ToldPayloads& payloads);
 
 }  // namespace softarm::diagnose

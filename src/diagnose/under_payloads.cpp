@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "findings.h"
 #include "payload_equations.h"
 #include "policy.h"
 #include "told_payloads.h"
@@ -89,9 +90,17 @@ std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model
       as_told.model.set_misfit(misfit);  // the conclusion that stays is by it
     return std::nullopt;
   }
-  d.told_payloads = told_payloads(payloads.list, prepared.trials);
-  d.told_payloads->as_told_mean_m = anew.mean_m > 0.0 ? std::min(told_m, anew.mean_m) : told_m;
-  d.told_payloads->mean_m = mean_m;
+  ToldPayloads found = told_payloads(payloads.list, prepared.trials);
+  found.as_told_mean_m = anew.mean_m > 0.0 ? std::min(told_m, anew.mean_m) : told_m;
+  found.mean_m = mean_m;
+  const double left_m = d.extended.held_out_rms_m;
+  found.probability = is_no_stand_in(beyond_m(found.as_told_mean_m / mean_m * left_m, left_m),
+                                     beyond_m(left_m, d.noise_floor_m), arm.total_length_m(), false);
+  if (found.probability < kPolicy.posterior.named) {
+    conclusion.diagnosis.notes.push_back("Other payloads are possible. " + found_instead(found));
+    return std::nullopt;
+  }
+  d.told_payloads = std::move(found);
   d.summary = sentence_of(*d.told_payloads) + " " + d.summary;
   return others;
 }

@@ -170,7 +170,8 @@ Json json_of(const diagnose::ToldPayloads& payloads) {
   }
   return {{"trials", std::move(trials)},
           {"as_told_held_out_mean_m", payloads.as_told_mean_m},
-          {"held_out_mean_m", payloads.mean_m}};
+          {"held_out_mean_m", payloads.mean_m},
+          {"probability", payloads.probability}};
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ import prove_real  # noqa: E402
 import prove_real_report  # noqa: E402
 import prove_real_score  # noqa: E402
 import prove_report  # noqa: E402
+import prove_score  # noqa: E402
 import real_changes  # noqa: E402
 import real_recordings  # noqa: E402
 
@@ -281,6 +282,9 @@ class Scores(unittest.TestCase):
                 figures, _ = self.figures(hidden(names=names), {**report("unknown"), **said}, report("unknown"))
                 kind = figures["worlds"]["real"]["intervention"]
                 self.assertEqual((kind["top1"], kind["right_class"], kind["confident_wrong"]), (rate, rate, 0.0))
+            unsure = {"told_payloads": {**told["told_payloads"], "probability": 0.6}}
+            decision = prove_score.decision_of_report({**report("unknown"), **unsure})
+            self.assertEqual([named["probability"] for named in decision["named"]], [0.6])
             _, results = self.figures(hidden(names=names), report("unknown"), {**report("unknown"), **told})
             self.assertIn(prove_real_score.TOLD_PAYLOADS, results[1]["truth"]["asked"])
 

@@ -122,6 +122,7 @@ TEST(ToldPayloads, OneThatWasNotToldIsFoundWithItsWeightAndWhen) {
   EXPECT_NEAR(*one.from_s, 2.0, 1.0);
   EXPECT_FALSE(one.to_s);
   EXPECT_LT(d.told_payloads->mean_m, 0.5 * d.told_payloads->as_told_mean_m);
+  EXPECT_GT(d.told_payloads->probability, 0.9) << d.summary;
   EXPECT_EQ(d.summary.rfind("In " + one.trial + " from ", 0), 0U) << d.summary;
   EXPECT_THAT(d.summary, HasSubstr("but nothing was stated"));
   EXPECT_THAT(report::describe(d), HasSubstr(" WITH OTHER PAYLOADS: "));
@@ -214,6 +215,14 @@ TEST(ToldPayloads, TrialsAreToldTogetherWhereTheSameHungInThem) {
       sentence_of(told),
       HasSubstr("In a and c nothing, as stated elsewhere, was attached to the arm, but 100 g was stated; in "
                 "b 100 g, as stated elsewhere, was attached to the arm, but nothing was stated."));
+}
+
+TEST(ToldPayloads, HowSureTheyAreIsSaid) {
+  ToldPayloads told;
+  told.trials = {{"swing", {}, {}, 0.0, 0.1, 0.08, 0.12}};
+  told.probability = 0.75;
+  EXPECT_THAT(found_instead(told), ::testing::EndsWith("Probability: 75 %."));
+  EXPECT_THAT(sentence_of(told), ::testing::StartsWith(found_instead(told)));
 }
 
 TEST(ToldPayloads, WithoutAnyPayloadTheArmsWeightIsTheMeasure) {

@@ -97,7 +97,10 @@ TEST(ToJson, SaysWhichPayloadsAreNotWhatWasTold) {
   diagnose::Diagnosis d = testing::example_diagnosis();
   EXPECT_FALSE(json::parse(report::to_json(d)).contains("told_payloads"));
   d.told_payloads = diagnose::ToldPayloads{
-      {{"all", {}, {}, 0.0, 0.4, 0.375, 0.425}, {"late", 10.5, {}, 0.4, 0.0, 0.0, 0.0625}}, 0.005, 0.001};
+      {{"all", {}, {}, 0.0, 0.4, 0.375, 0.425}, {"late", 10.5, {}, 0.4, 0.0, 0.0, 0.0625}},
+      0.005,
+      0.001,
+      0.75};
   EXPECT_EQ(
       json::parse(report::to_json(d))["told_payloads"],
       (json{{"trials",
@@ -109,7 +112,8 @@ TEST(ToJson, SaysWhichPayloadsAreNotWhatWasTold) {
                {"high_kg", 0.0625},
                {"from_s", 10.5}}}},
             {"as_told_held_out_mean_m", 0.005},
-            {"held_out_mean_m", 0.001}}));
+            {"held_out_mean_m", 0.001},
+            {"probability", 0.75}}));
 }
 
 TEST(ToJson, SaysTheLawThatWasLearnt) {

@@ -247,6 +247,7 @@ struct ToldPayload {
 struct ToldPayloads {
   std::vector<ToldPayload> trials;
   double as_told_mean_m = 0.0, mean_m = 0.0;  ///< plain error on unseen trials, with what else was found
+  double probability = 1.0;  ///< that others hung there, and do not stand in for something else that is left
 };
 
 struct Diagnosis {
