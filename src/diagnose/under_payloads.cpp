@@ -45,6 +45,14 @@ bool is_better(double mean_m, double than_m) {
   return mean_m > 0.0 && mean_m < kPolicy.told.better * than_m;
 }
 
+/// Whether a second diagnosis may find less than what was told leaves. The effects that were found as told,
+/// too, do no worse under the payloads that hung there, whose stand-ins they were.
+bool may_be_better(JointModel& model, const FirstFits& first, const Conclusion& as_told) {
+  const double told_m = as_told.diagnosis.extended.held_out_mean_m;
+  return is_better(unseen(model, first.baseline).mean_m, told_m) ||
+         is_better(refitted_unseen(model, model.fit(as_told.selection.extended.at, {})).mean_m, told_m);
+}
+
 }  // namespace
 
 OtherPayloads payloads_that_trials_say(const arm::Arm& arm, const model::Prepared& prepared, Begun& as_told) {
@@ -52,17 +60,22 @@ OtherPayloads payloads_that_trials_say(const arm::Arm& arm, const model::Prepare
                         usual_payload_kg(arm, prepared.trials));
 }
 
-AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepared, Begun& as_told,
-                        const Options& options, Schedule& schedule) {
+AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepared,
+                        const Conclusion& conclusion, Begun& as_told, const Options& options,
+                        Schedule& schedule) {
   AsToldAnew anew;
   const JointParameters& from = others.conclusion.selection.extended.at;
   anew.mean_m = refitted_unseen(as_told.model, as_told.model.fit(from, {})).mean_m;
   if (!(anew.mean_m > 0.0) || is_better(others.conclusion.diagnosis.extended.held_out_mean_m, anew.mean_m))
     return anew;
+  anew.does_as_well = true;
   schedule.within(kUnderOthersShare, 1.0);
   schedule.begin_first_part("with the stated payloads, from there");
   fit_again_from(from, as_told.model, as_told.first);
   schedule.end_first_part();
+  const double enough_m =
+      (1.0 - kPolicy.selection.other_optimum) * conclusion.selection.baseline_unseen.mean_m;
+  if (!(unseen(as_told.model, as_told.first.baseline).mean_m < enough_m)) return anew;
   anew.conclusion = concluded(prepared, as_told, std::nullopt, options, schedule);
   return anew;
 }
@@ -75,6 +88,7 @@ std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model
   others.begun = begun_under(arm, prepared, payloads, trials, options, schedule);
   if (!others.begun) return std::nullopt;
   schedule.end_first_part();
+  if (!may_be_better(others.begun->model, others.begun->first, conclusion)) return std::nullopt;
   others.conclusion = concluded(prepared, *others.begun, std::nullopt, options, schedule);
   Diagnosis& d = others.conclusion.diagnosis;
   const Diagnosis& told = conclusion.diagnosis;
@@ -82,9 +96,9 @@ std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model
   if (!is_better(mean_m, told_m) || d.left_out_share > told.left_out_share + kPolicy.words.left_out_share)
     return std::nullopt;
   const double misfit = as_told.model.misfit();
-  AsToldAnew anew = as_told_from(others, prepared, as_told, options, schedule);
-  if (anew.conclusion) {
-    if (anew.conclusion->diagnosis.extended.held_out_mean_m < told_m)
+  AsToldAnew anew = as_told_from(others, prepared, conclusion, as_told, options, schedule);
+  if (anew.does_as_well) {
+    if (anew.conclusion && anew.conclusion->diagnosis.extended.held_out_mean_m < told_m)
       conclusion = std::move(*anew.conclusion);
     else
       as_told.model.set_misfit(misfit);  // the conclusion that stays is by it

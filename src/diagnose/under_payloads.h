@@ -25,15 +25,18 @@ struct UnderOthers {
 
 /// What was told, with the end of the fit under other payloads to begin from.
 struct AsToldAnew {
-  double mean_m = 0.0;  ///< of errors on unseen trials, with the same effects
-  /// Where that is hardly more than under the other payloads: what follows from those constants.
+  double mean_m = 0.0;        ///< of errors on unseen trials, with the same effects
+  bool does_as_well = false;  ///< that is hardly more than under the other payloads
+  /// Where it does, and from better constants than those of the conclusion so far: what follows from these.
   std::optional<Conclusion> conclusion;
 };
 
 /// A fit from the arm file may end in a poor minimum, which is no reason to accuse anybody.
-/// @param as_told its baseline becomes the one from there, where all is concluded anew
-AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepared, Begun& as_told,
-                        const Options& options, Schedule& schedule);
+/// @param conclusion from the trials as they were told
+/// @param as_told its baseline becomes the one from there, where what was told does as well
+AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepared,
+                        const Conclusion& conclusion, Begun& as_told, const Options& options,
+                        Schedule& schedule);
 
 /// What they say under the payloads that they tell themselves; nothing where it leaves hardly less of the
 /// same recordings than what was told, wherever that begins.
