@@ -292,6 +292,18 @@ Refitted refit(JointModel& model, const Standing& current, const Screened& s,
   return r;
 }
 
+Refitted refitted_last(JointModel& model, const Linearised& fit, std::size_t effect) {
+  JointParameters p = fit.at;
+  std::rotate(p.effects.begin() + static_cast<std::ptrdiff_t>(effect),
+              p.effects.begin() + static_cast<std::ptrdiff_t>(effect) + 1, p.effects.end());
+  Refitted r;
+  r.effect = p.effects.back().effect;
+  JointModel::FitOptions how = refit_options(kRefitIterations);
+  how.known = true;
+  fit_from(model, p, fit.predicted, how, fit, r);
+  return r;
+}
+
 void finish_leaders(JointModel& model, const Standing& current, std::vector<Refitted>& refitted) {
   std::vector<bool> finished;
   for (const Refitted& r : refitted) finished.push_back(r.converged);

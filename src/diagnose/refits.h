@@ -63,6 +63,9 @@ void begin_from(JointModel& model, const Standing& current, const Linearised& fr
 Refitted refit(JointModel& model, const Standing& current, const Screened& s,
                const std::vector<Refitted>& before = {});
 
+/// A fit as the refit with one of its effects upon the model without that: it comes last.
+Refitted refitted_last(JointModel& model, const Linearised& fit, std::size_t effect);
+
 /// Goes on with the refits that ended before they converged and would explain most, as far as the first order
 /// says, until none of them leads: what is as good as known is not to give way to a fit that was easier, nor
 /// to leave it to the next round's refits to find its constants.

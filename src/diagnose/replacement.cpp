@@ -59,7 +59,8 @@ ToCompare to_compare(JointModel& model, Standing& current, const Selection& sele
   return others;
 }
 
-/// The effect and those others, each fitted upon the model without it, from where the model is.
+/// The effect, as the model has it, and those others, each fitted upon the model without it, from where that
+/// is.
 Round compared_with(JointModel& model, const Standing& current, std::size_t e,
                     const std::vector<Screened>& with, const std::vector<Screened>& screened,
                     const Options& options) {
@@ -74,6 +75,7 @@ Round compared_with(JointModel& model, const Standing& current, std::size_t e,
   const Eigen::VectorXd absorbed =
       without.fit.unknowns() -
       Eigen::Map<const Eigen::VectorXd>(others.data(), static_cast<Eigen::Index>(others.size()));
+  const Effect* own = current.fit.at.effects[e].effect;
   Round round;
   round.screened = screened;
   for (Screened s : with) {
@@ -81,7 +83,8 @@ Round compared_with(JointModel& model, const Standing& current, std::size_t e,
     const bool listed = std::any_of(screened.begin(), screened.end(),
                                     [&](const Screened& other) { return other.effect == s.effect; });
     if (!listed) round.screened.push_back(s);
-    round.refitted.push_back(refit(model, without, s, round.refitted));
+    round.refitted.push_back(s.effect == own ? refitted_last(model, current.fit, e)
+                                             : refit(model, without, s, round.refitted));
   }
   finish_leaders(model, without, round.refitted);
   linearise_leaders(model, without, round.refitted);
