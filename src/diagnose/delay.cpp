@@ -116,9 +116,9 @@ double left_of(const Answer& answer, Eigen::Index first, Eigen::Index count, con
 double gain_of(const Answer& answer, const Delay& delay) {
   if (answer.t_s.size() < kPolicy.delay.fewest_blocks) return 0.0;
   const VectorXd& t_s = answer.series->t_s;
-  const double begin_s = t_s[0], end_s = t_s[t_s.size() - 1];
-  const double from_s = begin_s + std::max(0.0, delay.at(*answer.series, begin_s)),
-               to_s = end_s + std::min(0.0, delay.at(*answer.series, end_s));
+  const double begin_s = t_s[0], end_s = t_s[t_s.size() - 1], slower = 1.0 - delay.rate;
+  const double from_s = begin_s + std::max(0.0, delay.at(*answer.series, begin_s)) / slower,
+               to_s = end_s + std::min(0.0, delay.at(*answer.series, end_s)) / slower;
   const double* begin = answer.t_s.data();
   const double* end = begin + answer.t_s.size();
   const auto first = static_cast<Eigen::Index>(std::lower_bound(begin, end, from_s) - begin);
@@ -130,12 +130,12 @@ double gain_of(const Answer& answer, const Delay& delay) {
   return 0.5 * 3.0 * stretches * std::log(before / after);
 }
 
-/// What is recorded, and how far apart delays of all inputs are that are compared.
 struct Recorded {
   std::vector<Answer> answers;
   double session_s = 0.0;  ///< as long as clocks drift
   unsigned jobs = 1;
 
+  /// At which a delay grows by one step over the session.
   double rate_step() const { return kPolicy.delay.step_s / session_s; }
 };
 
@@ -159,66 +159,82 @@ double gain_of(const Recorded& all, const Delay& delay) {
   return sum;
 }
 
-/// The likeliest delay that grows over the session, about: as if it grew between the trials alone.
+/// The likeliest delay that grows over the session, about: as if it grew between the trials alone. Of several
+/// that are as likely, as where all trials begin at once, the one that grows least.
 /// @param gains of each step of a delay of all inputs in each trial, steps x trials, the middle one of none
 Delay roughly_growing(const Recorded& all, const MatrixXd& gains) {
   const Eigen::Index none = gains.rows() / 2;
   Delay best;
   double most = 0.0;
-  for (Eigen::Index slope = -none; slope <= none; ++slope) {
+  const auto look_at = [&](const Delay& delay) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < all.answers.size(); ++i) {
+      const model::Series& series = *all.answers[i].series;
+      const double late_s = delay.at(series, 0.5 * (series.t_s[0] + series.t_s[series.t_s.size() - 1]));
+      const Eigen::Index row = none + std::lround(late_s / kPolicy.delay.step_s);
+      if (row >= 0 && row < gains.rows()) sum += gains(row, static_cast<Eigen::Index>(i));
+    }
+    if (sum > most) {
+      most = sum;
+      best = delay;
+    }
+  };
+  for (Eigen::Index slope = 1; slope <= none; ++slope) {
     const double rate = static_cast<double>(slope) * all.rate_step();
-    if (slope == 0 || std::abs(rate) > kPolicy.delay.greatest_rate) continue;
-    for (Eigen::Index step = -none; step <= none; ++step) {
-      const Delay delay{static_cast<double>(step) * kPolicy.delay.step_s, 0, rate};
-      double sum = 0.0;
-      for (std::size_t i = 0; i < all.answers.size(); ++i) {
-        const model::Series& series = *all.answers[i].series;
-        const double late_s = delay.at(series, 0.5 * (series.t_s[0] + series.t_s[series.t_s.size() - 1]));
-        const Eigen::Index row = none + std::lround(late_s / kPolicy.delay.step_s);
-        if (row >= 0 && row < gains.rows()) sum += gains(row, static_cast<Eigen::Index>(i));
+    if (!(rate <= kPolicy.delay.greatest_rate)) break;
+    for (const double either_way : {-rate, rate})
+      for (Eigen::Index step = -none; step <= none; ++step)
+        look_at({static_cast<double>(step) * kPolicy.delay.step_s, 0, either_way});
+  }
+  return best;
+}
+
+struct Likely {
+  Delay delay;
+  double gain = 0.0;
+};
+
+/// From a delay uphill, by steps that are halved: what is apart by part of a step must not seem to grow.
+Likely uphill(const Recorded& all, const Delay& from) {
+  Likely best{from, gain_of(all, from)};
+  for (double step = 1.0; step >= kPolicy.delay.finest; step /= 2.0) {
+    for (bool moved = true; moved;) {
+      std::vector<Likely> around;
+      for (const int slope : {-1, 0, 1}) {
+        if (slope != 0 && from.rate == 0.0) continue;
+        // About the session's middle: there the delay is what it is, however it grows.
+        const double more = slope * step * (from.rate == 0.0 ? 0.0 : all.rate_step());
+        for (const int shift : {-1, 0, 1}) {
+          const double offset_s =
+              best.delay.offset_s + shift * step * kPolicy.delay.step_s - 0.5 * more * all.session_s;
+          const double rate = best.delay.rate + more;
+          if (std::abs(rate) <= kPolicy.delay.greatest_rate && std::abs(offset_s) <= kPolicy.delay.longest_s)
+            around.push_back({{offset_s, from.input, rate}, 0.0});
+        }
       }
-      if (sum > most) {
-        most = sum;
-        best = delay;
-      }
+      math::in_parallel(around.size(), all.jobs,
+                        [&](std::size_t i) { around[i].gain = gain_of(all, around[i].delay); });
+      const auto most = std::max_element(around.begin(), around.end(),
+                                         [](const Likely& a, const Likely& b) { return a.gain < b.gain; });
+      moved = most != around.end() && most->gain > best.gain;
+      if (moved) best = *most;
     }
   }
   return best;
 }
 
-/// The same, and by how much the log likelihood rises: step by step uphill from there.
-std::pair<Delay, double> growing(const Recorded& all, const MatrixXd& gains) {
-  Delay best = roughly_growing(all, gains);
-  double most = gain_of(all, best);
-  for (bool moved = best.rate != 0.0; moved;) {
-    moved = false;
-    std::vector<Delay> around;
-    for (int step = -1; step <= 1; ++step) {
-      for (int slope = -1; slope <= 1; ++slope) {
-        const Delay next{best.offset_s + step * kPolicy.delay.step_s, 0, best.rate + slope * all.rate_step()};
-        if (std::abs(next.rate) <= kPolicy.delay.greatest_rate &&
-            std::abs(next.offset_s) <= kPolicy.delay.longest_s)
-          around.push_back(next);
-      }
-    }
-    std::vector<double> here(around.size(), 0.0);
-    math::in_parallel(around.size(), all.jobs, [&](std::size_t i) { here[i] = gain_of(all, around[i]); });
-    const auto greatest = std::max_element(here.begin(), here.end());
-    if (*greatest > most) {
-      most = *greatest;
-      best = around[static_cast<std::size_t>(greatest - here.begin())];
-      moved = true;
-    }
-  }
-  return {best, most};
+/// By the longest of it: whether no screen that is linear about no delay sees it.
+bool is_long(const Delay& delay, double session_s) {
+  return std::max(std::abs(delay.offset_s), std::abs(delay.offset_s + delay.rate * session_s)) >=
+         kPolicy.delay.seen_s;
 }
 
 }  // namespace
 
-std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials,
-                                unsigned jobs) {
+std::vector<Delay> find_delays(const arm::Arm& arm, const std::vector<model::TrialData>& trials,
+                               unsigned jobs) {
   const Recorded all = recorded(arm, trials, jobs);
-  const auto inputs = static_cast<Eigen::Index>(arm.inputs.scalars.size());
+  const auto inputs = static_cast<int>(arm.inputs.scalars.size());
   const auto most_steps = static_cast<int>(std::lround(kPolicy.delay.longest_s / kPolicy.delay.step_s));
   std::vector<Delay> delays;  // first those of all inputs
   for (int input = 0; input <= (inputs > 1 ? inputs : 0); ++input) {
@@ -232,17 +248,20 @@ std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::Tr
   });
   Eigen::Index row = 0;
   const VectorXd sums = gains.rowwise().sum();
-  double most = sums.maxCoeff(&row);
-  Delay best = delays[static_cast<std::size_t>(row)];
-  const auto [drifting, with_rate] = growing(all, gains.topRows(2 * most_steps + 1));
-  if (with_rate > most + kPolicy.delay.least_gain) {
-    most = with_rate;
-    best = drifting;
-  }
-  const double longest_s =
-      std::max(std::abs(best.offset_s), std::abs(best.offset_s + best.rate * all.session_s));
-  if (most < kPolicy.delay.least_gain || longest_s < kPolicy.delay.seen_s) return std::nullopt;
-  return best;
+  sums.maxCoeff(&row);
+  const Likely constant = uphill(all, delays[static_cast<std::size_t>(row)]);
+  const Delay rough = roughly_growing(all, gains.topRows(2 * most_steps + 1));
+  const Likely growing = rough.rate != 0.0 ? uphill(all, rough) : Likely{};
+  std::vector<Delay> found;
+  // What grows by less is seen about a delay that does not.
+  if (std::abs(growing.delay.rate) * all.session_s >= kPolicy.delay.seen_s &&
+      growing.gain >= std::max(0.0, constant.gain) + kPolicy.delay.least_gain)
+    found.push_back(growing.delay);
+  if (constant.gain >= kPolicy.delay.least_gain) found.push_back(constant.delay);
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [&](const Delay& delay) { return !is_long(delay, all.session_s); }),
+              found.end());
+  return found;
 }
 
 }  // namespace softarm::diagnose

@@ -1,7 +1,6 @@
 // By how much bodies answer late to their inputs, where that is beyond what a line about no delay can see.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "effects/clocks.h"
@@ -18,8 +17,7 @@ struct Delay {
 
   /// By how much it is ahead at an instant of a trial.
   double at(const model::Series& series, double t_s) const {
-    if (rate == 0.0) return offset_s;
-    return series.session_s > effects::kClocksDrift_s ? 0.0 : offset_s + rate * (series.session_s + t_s);
+    return rate == 0.0 ? offset_s : effects::drifted_s(rate, offset_s, series.session_s, t_s);
   }
 };
 
@@ -27,9 +25,10 @@ struct Delay {
 /// products, payload and gravity, with the inputs at other times: no model of the arm, so that a delay of
 /// seconds, about which no model is linear, is found before anything is fitted or left out. Delays that grow
 /// over the session are found in the same way.
-/// @return the likeliest delay, where that is too long for the screen (`kPolicy.delay`): a place to begin
-///         from, no finding
-std::optional<Delay> find_delay(const arm::Arm& arm, const std::vector<model::TrialData>& trials,
-                                unsigned jobs = 1);
+/// @return the likeliest delay where that is too long for the screen (`kPolicy.delay`): a place to begin
+/// from,
+///         no finding. Before it one that grows, where that is likelier yet
+std::vector<Delay> find_delays(const arm::Arm& arm, const std::vector<model::TrialData>& trials,
+                               unsigned jobs = 1);
 
 }  // namespace softarm::diagnose

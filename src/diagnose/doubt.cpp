@@ -86,7 +86,8 @@ double still_there(const Linearised& at, std::size_t e, std::size_t catalogue, c
     sizes.covariance(k, k) += std::pow(unknown_sd(unknown_inertia, *present.effect, step), 2);
   }
   const double log_odds = log_before - log_density_at_nothing(fitted, later, sizes.covariance) +
-                          std::log(kPolicy.posterior.expected / static_cast<double>(catalogue));
+                          counts_as(*at.at.effects[e].effect) *
+                              std::log(kPolicy.posterior.expected / static_cast<double>(catalogue));
   return 1.0 / (1.0 + std::exp(-log_odds));
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <set>
 
-#include "effects/catalogue.h"
 #include "flexible.h"
 #include "math/linear_algebra.h"
 #include "policy.h"
@@ -234,8 +233,7 @@ void add_left(const MatrixXd& rows_per_m, double length_m, EvidenceData& data) {
   }
 }
 
-/// Of as many values of what its numbers count. Clocks of other rates are apart besides: two things at once,
-/// where an offset is one of all that may be there.
+/// Of as many values of what its numbers count.
 double log_choices(const JointModel& model, const model::Effect& effect) {
   const std::vector<model::Parameter>& parameters = effect.info().parameters;
   std::set<std::vector<double>> choices;
@@ -245,11 +243,7 @@ double log_choices(const JointModel& model, const model::Effect& effect) {
       if (parameters[k].counts) numbers.push_back(values[static_cast<Index>(k)]);
     choices.insert(std::move(numbers));
   }
-  const double two =
-      effect.info().of_clock_rates
-          ? std::log(static_cast<double>(effects::catalogue().size()) / kPolicy.posterior.expected)
-          : 0.0;
-  return two + (choices.empty() ? 0.0 : std::log(static_cast<double>(choices.size())));
+  return choices.empty() ? 0.0 : std::log(static_cast<double>(choices.size()));
 }
 
 /// Fills the effects: by their signatures about a fit, with another one's weights.

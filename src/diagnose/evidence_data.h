@@ -21,9 +21,15 @@ struct Signature {
   double log_weight = 0.0;  ///< of an unknown at an end of its range: share of what was possible beforehand
   /// Of an effect: of how many chambers, bodies or kinds (all that its numbers count) it might be, each as
   /// probable beforehand. It is looked for in all of them, and the one that suits the data best is in the
-  /// model. Of two things at once, the odds of the second.
+  /// model.
   double log_choices = 0.0;
 };
+
+/// As how many an effect counts before the data: clocks of other rates are apart besides, as those that keep
+/// their offset are.
+inline double counts_as(const model::Effect& effect) {
+  return effect.info().of_clock_rates ? 2.0 : 1.0;
+}
 
 /// n groups of neighbouring instants that show all bodies and tangents, m numbers each, whitened by the
 /// noise.

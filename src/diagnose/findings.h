@@ -38,8 +38,8 @@ bool is_short_delay(const model::Present& present);
 
 /// Whether an effect is one body that sits elsewhere or another clock: hardly any physics that is missing
 /// looks like that. A short delay of clocks is not of that kind: valves that stick and walls that creep look
-/// like it; nor are clocks that drift apart, which are not far apart at first; nor cameras that bow, or
-/// pressures that are off.
+/// like it; nor are clocks that drift apart: of little offset they look like what creeps over the session;
+/// nor cameras that bow, or pressures that are off.
 /// @param short_delay whether what was found is one, see is_short_delay()
 bool is_of_sensors_alone(const model::Info& info, bool short_delay);
 

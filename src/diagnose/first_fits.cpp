@@ -48,17 +48,21 @@ Delay delay_of(const model::Present& present) {
   return {present.values[0], static_cast<int>(std::lround(present.values[1])), 0.0};
 }
 
-/// @return nothing where a delay is not found, is in the arm file already, or explains nothing
+/// @return nothing where a delay is not found, is in the arm file already, or explains nothing. Of two the
+/// one that fits better, where a rate is worth more than chance
 std::optional<Linearised> fit_with_delay(JointModel& model, const Linearised& without) {
   for (const model::Present& present : model.known())
     if (is_of_clocks(present.effect->info())) return std::nullopt;
-  const std::optional<Delay> delay = find_delay(model.arm(), model.trials(), model.jobs());
-  if (!delay) return std::nullopt;
-  JointParameters from = model.start();
-  from.effects.push_back(present_of(*delay));
-  Linearised delayed = model.fit(from, rough_fit());
-  if (delayed.square < without.square) return delayed;
-  return std::nullopt;
+  std::optional<Linearised> best;
+  for (const Delay& delay : find_delays(model.arm(), model.trials(), model.jobs())) {
+    JointParameters from = model.start();
+    from.effects.push_back(present_of(delay));
+    Linearised delayed = model.fit(from, rough_fit());
+    if (!(delayed.square < without.square)) continue;
+    const double chance = 2.0 * kPolicy.delay.least_gain * inflation(delayed);
+    if (!best || delayed.square < best->square + chance) best = std::move(delayed);
+  }
+  return best;
 }
 
 }  // namespace

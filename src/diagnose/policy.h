@@ -35,7 +35,9 @@ struct Policy {
     double longest_s = 5.0, step_s = 0.1;  ///< either way, as far as an offset of clocks may be
     double greatest_rate = 0.05;           ///< as far as their rates may differ
     double seen_s = 0.35;     ///< up to which the screen, linear about no delay, finds it by itself
-    double least_gain = 5.0;  ///< of the log likelihood: less is not worth a fit, which decides
+    double least_gain = 5.0;  ///< of the log likelihood, of a delay, and of a rate beside it: less is not
+                              ///< worth a fit, which decides
+    double finest = 0.1;      ///< of a step, to which the likeliest one is looked for
     long fewest_blocks = 20;  ///< of a trial, that the inputs' place in time is told by
     /// Up to which a clock that is apart and pressures that lag are one: what they differ in is of second
     /// order, and a quarter of the means over 0.2 s that are compared.

@@ -199,7 +199,9 @@ class Search {
  private:
   /// What the integral does not know: the odds of the effects, each of the one chamber or body of many.
   double before_data(const EffectList& effects) const {
-    return log_odds_ * static_cast<double>(effects.size()) - about_.log_choices(effects);
+    double count = 0.0;
+    for (const Effect* effect : effects) count += counts_as(*effect);
+    return log_odds_ * count - about_.log_choices(effects);
   }
   std::ptrdiff_t place(const Effect* effect) const {
     return std::find(about_.effects().begin(), about_.effects().end(), effect) - about_.effects().begin();

@@ -59,7 +59,7 @@ JointModel::FitOptions refit_options(int iterations) {
 }
 
 /// A refit, and what is said of it.
-/// @param near of the model without the effect
+/// @param near of the model without the effect, or of the same in another order: its derivatives by the rod
 void fit_from(JointModel& model, const JointParameters& from,
               const std::vector<std::vector<model::Predicted>>& start, JointModel::FitOptions how,
               const Linearised& near, Refitted& r) {

@@ -63,7 +63,8 @@ void begin_from(JointModel& model, const Standing& current, const Linearised& fr
 Refitted refit(JointModel& model, const Standing& current, const Screened& s,
                const std::vector<Refitted>& before = {});
 
-/// A fit as the refit with one of its effects upon the model without that: it comes last.
+/// A fit with one of its effects moved to the last place, as if that had been refitted upon the others; goes
+/// on with what had not come to its end.
 Refitted refitted_last(JointModel& model, const Linearised& fit, std::size_t effect);
 
 /// Goes on with the refits that ended before they converged and would explain most, as far as the first order

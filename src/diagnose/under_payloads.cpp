@@ -45,12 +45,12 @@ bool is_better(double mean_m, double than_m) {
   return mean_m > 0.0 && mean_m < kPolicy.told.better * than_m;
 }
 
-/// Whether a second diagnosis may find less than what was told leaves. The effects that were found as told,
-/// too, do no worse under the payloads that hung there, whose stand-ins they were.
+/// Whether a second diagnosis is worth its time: under payloads that hung there the effects that were found
+/// as told, whose stand-ins they were, leave less than there, if not as much less as others will.
 bool may_be_better(JointModel& model, const FirstFits& first, const Conclusion& as_told) {
   const double told_m = as_told.diagnosis.extended.held_out_mean_m;
-  return is_better(unseen(model, first.baseline).mean_m, told_m) ||
-         is_better(refitted_unseen(model, model.fit(as_told.selection.extended.at, {})).mean_m, told_m);
+  return unseen(model, first.baseline).mean_m < told_m ||
+         refitted_unseen(model, model.fit(as_told.selection.extended.at, {})).mean_m < told_m;
 }
 
 }  // namespace
@@ -65,7 +65,9 @@ AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepar
                         Schedule& schedule) {
   AsToldAnew anew;
   const JointParameters& from = others.conclusion.selection.extended.at;
-  anew.mean_m = refitted_unseen(as_told.model, as_told.model.fit(from, {})).mean_m;
+  const Unseen there = refitted_unseen(as_told.model, as_told.model.fit(from, {}));
+  anew.mean_m = there.mean_m;
+  anew.rms_m = there.plain_rms_m;
   if (!(anew.mean_m > 0.0) || is_better(others.conclusion.diagnosis.extended.held_out_mean_m, anew.mean_m))
     return anew;
   anew.does_as_well = true;
@@ -73,9 +75,8 @@ AsToldAnew as_told_from(const UnderOthers& others, const model::Prepared& prepar
   schedule.begin_first_part("with the stated payloads, from there");
   fit_again_from(from, as_told.model, as_told.first);
   schedule.end_first_part();
-  const double enough_m =
-      (1.0 - kPolicy.selection.other_optimum) * conclusion.selection.baseline_unseen.mean_m;
-  if (!(unseen(as_told.model, as_told.first.baseline).mean_m < enough_m)) return anew;
+  const double enough = (1.0 - kPolicy.selection.other_optimum) * conclusion.selection.baseline.square;
+  if (!(as_told.first.baseline.square < enough)) return anew;
   anew.conclusion = concluded(prepared, as_told, std::nullopt, options, schedule);
   return anew;
 }
@@ -107,9 +108,10 @@ std::optional<UnderOthers> under_other_payloads(const arm::Arm& arm, const model
   ToldPayloads found = told_payloads(payloads.list, prepared.trials);
   found.as_told_mean_m = anew.mean_m > 0.0 ? std::min(told_m, anew.mean_m) : told_m;
   found.mean_m = mean_m;
-  const double left_m = d.extended.held_out_rms_m;
-  found.probability = is_no_stand_in(beyond_m(found.as_told_mean_m / mean_m * left_m, left_m),
-                                     beyond_m(left_m, d.noise_floor_m), arm.total_length_m(), false);
+  const double left_m = d.extended.held_out_rms_m, as_told_m = told.extended.held_out_rms_m;
+  found.probability =
+      is_no_stand_in(beyond_m(anew.mean_m > 0.0 ? std::min(as_told_m, anew.rms_m) : as_told_m, left_m),
+                     beyond_m(left_m, d.noise_floor_m), arm.total_length_m(), false);
   if (found.probability < kPolicy.posterior.named) {
     conclusion.diagnosis.notes.push_back("Other payloads are possible. " + found_instead(found));
     return std::nullopt;

@@ -25,8 +25,8 @@ struct UnderOthers {
 
 /// What was told, with the end of the fit under other payloads to begin from.
 struct AsToldAnew {
-  double mean_m = 0.0;        ///< of errors on unseen trials, with the same effects
-  bool does_as_well = false;  ///< that is hardly more than under the other payloads
+  double mean_m = 0.0, rms_m = 0.0;  ///< of errors on unseen trials, with the same effects
+  bool does_as_well = false;         ///< that is hardly more than under the other payloads
   /// Where it does, and from better constants than those of the conclusion so far: what follows from these.
   std::optional<Conclusion> conclusion;
 };

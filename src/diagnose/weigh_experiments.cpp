@@ -65,7 +65,8 @@ class Hypothetical {
 
 /// The clock of the bodies ahead of the inputs' at a time of the session, s per unit of an effect's size.
 double clock_ahead_s(const model::Info& info, int size, double session_s) {
-  if (info.of_clock_rates) return size == 0 ? session_s : 1.0;
+  if (info.of_clock_rates)
+    return effects::drifted_s(size == 0 ? 1.0 : 0.0, size == 0 ? 0.0 : 1.0, session_s, 0.0);
   return info.of_clocks ? 1.0 : 0.0;
 }
 

@@ -18,8 +18,8 @@ class ClockDrift : public Described {
   bool drives() const override { return true; }
   void drive(const arm::Arm&, const Values& values, Series& series) const override {
     if (values.isZero(0.0) || series.t_s.size() == 0 || series.session_s > kClocksDrift_s) return;
-    const Eigen::VectorXd at_s =
-        series.t_s.array() - values[1] - values[0] * (series.session_s + series.t_s.array());
+    const Eigen::VectorXd at_s = series.t_s.unaryExpr(
+        [&](double t_s) { return t_s - drifted_s(values[0], values[1], series.session_s, t_s); });
     for (Eigen::MatrixXd* inputs : {&series.inputs, &series.moment_inputs})
       *inputs = values_at(series.t_s, *inputs, at_s);
   }

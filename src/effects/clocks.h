@@ -10,6 +10,13 @@ namespace softarm::effects {
 /// clocks are set.
 constexpr double kClocksDrift_s = 3600.0;
 
+/// By how much a clock that drifts is ahead, at a time of a trial.
+/// @param offset_s ... when the session begins
+/// @param session_s when the trial begins
+inline double drifted_s(double rate, double offset_s, double session_s, double t_s) {
+  return session_s > kClocksDrift_s ? 0.0 : offset_s + rate * (session_s + t_s);
+}
+
 /// Rows of values at other instants, straight between those of the series, held beyond its ends.
 /// @param t_s one per column of values, increasing
 /// @param at_s as many, increasing

@@ -187,7 +187,7 @@ TEST(Findings, AShortDelayOfClocksMayStandInForPhysics) {
   }
   for (const std::unique_ptr<model::Effect>& effect : effects::catalogue()) {
     if (!effect->info().of_clock_rates) continue;
-    // A rate is no delay, however small a number it is. At first clocks are little apart by it.
+    // A rate is no delay, however small a number it is.
     EXPECT_FALSE(is_short_delay({effect.get(), Eigen::Vector2d(0.002, 0.0)}));
     EXPECT_FALSE(is_of_sensors_alone(effect->info(), false));
   }

@@ -187,6 +187,23 @@ TEST(Posterior, OneOfManyChambersIsAsMuchLessProbableBeforehand) {
   EXPECT_LT(odds(none), before);
 }
 
+/// Clocks that drift are apart, too.
+TEST(Posterior, TwoThingsAtOnceAreAsImprobableBeforehandAsTwoEffects) {
+  std::mt19937_64 random(7);
+  EvidenceData data = made_up(40, 3, 4, 0.7, random);
+  data.effects[1].moves = data.effects[0].moves;
+  data.residual += 0.5 * data.effects[0].moves;
+  for (const std::unique_ptr<model::Effect>& effect : effects::catalogue())
+    if (effect->info().of_clock_rates) data.effects[0].effect = effect.get();
+  const Posterior found = posterior(data, {}, 1);
+  const auto alone = [&](int e) {
+    for (const EffectSet& set : found.sets)
+      if (set.effects == EffectList{data.effects[static_cast<std::size_t>(e)].effect}) return set.probability;
+    return 0.0;
+  };
+  EXPECT_NEAR(alone(0) / alone(1), kPolicy.posterior.expected / 4.0, 1e-9);
+}
+
 TEST(Posterior, LogLikelihoodByInstantAddsUp) {
   std::mt19937_64 random(3);
   const EvidenceData data = made_up(14, 3, 4, 0.7, random);

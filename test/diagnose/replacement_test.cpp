@@ -87,6 +87,27 @@ Round hose_and_weight(double hose, double weight, double both) {
   return round;
 }
 
+/// The model's own is compared as it is.
+TEST(Replacement, AnEffectOfAFitIsItsLastWithoutBeingFittedAgain) {
+  const testing::RecordedCase drawn = testing::recorded_case(
+      "{count_weights: [0, 0, 1], from: [tip_mass, base_tilt], size: [0.6, 1.0]}", 5, 4, 10.0);
+  testing::Looked looked(drawn.arm, drawn.trials);
+  const TakenInTurn taken(looked, {"tip_mass", "base_tilt"});
+  const Linearised& fit = taken.current.fit;
+  const Refitted last = refitted_last(looked.model, fit, 0);
+  EXPECT_EQ(last.effect->info().id, "tip_mass");
+  ASSERT_EQ(last.fit.at.effects.size(), 2U);
+  EXPECT_EQ(last.fit.at.effects[0].effect, fit.at.effects[1].effect);
+  EXPECT_EQ(last.fit.at.effects[1].effect, fit.at.effects[0].effect);
+  EXPECT_LT(last.fit.square, 1.001 * fit.square);
+  for (int e = 0; e < 2; ++e) {
+    const model::Present& before = fit.at.effects[static_cast<std::size_t>(e)];
+    const model::Present& now = last.fit.at.effects[static_cast<std::size_t>(1 - e)];
+    EXPECT_TRUE(now.values.isApprox(before.values, 0.05)) << now.values << " for " << before.values;
+  }
+  EXPECT_TRUE(last.converged);
+}
+
 TEST(Replacement, OneIsLikelierThatIsThereWithoutTheOther) {
   const model::Effect* hose = effects::find("tether");
   const Round weight = hose_and_weight(0.1, 0.8, 0.05);

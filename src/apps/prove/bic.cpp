@@ -75,7 +75,7 @@ double price(const EvidenceData& data, const EffectList& effects) {
     const auto own = std::find_if(data.effects.begin(), data.effects.end(),
                                   [&](const Signature& s) { return s.effect == effect; });
     const double choices = own == data.effects.end() ? 0.0 : 2.0 * own->log_choices;
-    sum += static_cast<double>(fitted) * of_number + of_effect + choices;
+    sum += static_cast<double>(fitted) * of_number + diagnose::counts_as(*effect) * of_effect + choices;
   }
   return sum;
 }
