@@ -111,7 +111,7 @@ std::string found_instead(const ToldPayloads& payloads) {
   for (const auto& [what, trials] : alike) said.push_back("in " + one_of(trials, "and") + what);
   return fmt::format(
       "{}. With these payloads, unseen trials are predicted to {} on average; with the stated ones, to {}. "
-      "Probability: {}.",
+      "Probability of that: {}.",
       capitalised(fmt::format("{}", fmt::join(said, "; "))), millimetres(payloads.mean_m),
       millimetres(payloads.as_told_mean_m), percent(payloads.probability));
 }

@@ -221,7 +221,7 @@ TEST(ToldPayloads, HowSureTheyAreIsSaid) {
   ToldPayloads told;
   told.trials = {{"swing", {}, {}, 0.0, 0.1, 0.08, 0.12}};
   told.probability = 0.75;
-  EXPECT_THAT(found_instead(told), ::testing::EndsWith("Probability: 75 %."));
+  EXPECT_THAT(found_instead(told), ::testing::EndsWith("Probability of that: 75 %."));
   EXPECT_THAT(sentence_of(told), ::testing::StartsWith(found_instead(told)));
 }
 
