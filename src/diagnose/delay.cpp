@@ -130,6 +130,7 @@ double gain_of(const Answer& answer, const Delay& delay) {
   return 0.5 * 3.0 * stretches * std::log(before / after);
 }
 
+/// All trials that say something of delays.
 struct Recorded {
   std::vector<Answer> answers;
   double session_s = 0.0;  ///< as long as clocks drift
@@ -205,6 +206,7 @@ Likely uphill(const Recorded& all, const Delay& from) {
         // About the session's middle: there the delay is what it is, however it grows.
         const double more = slope * step * (from.rate == 0.0 ? 0.0 : all.rate_step());
         for (const int shift : {-1, 0, 1}) {
+          if (slope == 0 && shift == 0) continue;
           const double offset_s =
               best.delay.offset_s + shift * step * kPolicy.delay.step_s - 0.5 * more * all.session_s;
           const double rate = best.delay.rate + more;
